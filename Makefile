@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-2-Clause
+# Abbe: the only entry point. `make` prints the targets; each installs what it needs.
+
+.DEFAULT_GOAL := help
+SHELL   := /bin/sh
+PYTHON  := .venv/bin/python
+PYTEST  := $(PYTHON) -m pytest
+JOBS    ?= $(shell nproc)
+READY   := .venv/.ready
+
+help: ## Print this help
+	@echo "Abbe: an open microscope-stage controller. Targets:"; echo
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@echo; echo "New here? 'make demo', then docs/quickstart.md."
+
+setup: $(READY) ## Install the pinned tools (every target does this by itself)
+
+$(READY): requirements.txt host/setup.sh
+	@host/setup.sh
+	@touch $@
+
+# --- the main job ------------------------------------------------------------------------------------------
+
+demo: $(READY) ## Scan one line on the simulated controller and measure its pins [SPEED= N= ...: docs/quickstart.md]
+	@$(PYTHON) -m tb.demo $(if $(SPEED),--speed $(SPEED)) $(if $(N),--n $(N)) $(ARGS)
+
+sim: $(READY) ## The simulated controller with its serial port on a pty
+	@$(PYTHON) -m tb.sim.pty $(ARGS)
+
+jitter: $(READY) ## Measure SYNC and pixel clock in a recording: make jitter FILE=capture.vcd [ARGS=...]
+	@test -n "$(FILE)" || { echo "usage: make jitter FILE=<recording.vcd|.csv> [ARGS='--n 24 ...']"; exit 2; }
+	@$(PYTHON) -m host.jitter "$(FILE)" $(ARGS)
+
+# --- tests --------------------------------------------------------------------------------------------------
+
+test: lint ## All tests of the ordinary suite (no board needed)
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb
+
+test-rtl: $(READY) ## Gateware blocks at their pins and over their bus, and the proofs
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/rtl tb/formal tb/vectors
+
+test-firmware: $(READY) ## Firmware on the host, under sanitizers
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/firmware tb/board
+
+test-system: $(READY) ## The real firmware on the real SoC, in Verilator
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
+
+formal: $(READY) ## All proofs, with mode, depth and widths
+	@$(PYTHON) -m tb.formal $(ARGS)
+
+lint: $(READY) ## Generated pages are up to date
+	@$(PYTHON) -m soc.generate --check
+
+# --- products -----------------------------------------------------------------------------------------------
+
+gen: $(READY) ## Registers: C header, linker memory, docs/registers.md
+	@$(PYTHON) -m soc.generate
+
+firmware: gen ## The firmware image for the soft core
+	@$(MAKE) --no-print-directory -C firmware
+
+clean: ## Remove everything built (keeps the tools)
+	rm -rf build
+
+distclean: clean ## Remove the installed tools too
+	rm -rf .venv
+
+.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system formal lint gen firmware clean distclean
