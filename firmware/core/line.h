@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * Bytes from the host to command lines.
+ *
+ *  - CR ends a line. An empty line, or one of blanks only, is nothing and gets no answer.
+ *  - A tab is a blank. Other control bytes, LF among them, are ignored wherever they stand.
+ *  - 0x08, 0x7F and 0x1B drop the line typed so far and all lines that wait (LINE_CLEAR).
+ *  - More than LINE_MAX characters: the line is dropped up to its CR (LINE_TOO_LONG at the CR).
+ *  - `\` first in a line is HALT at once, without waiting for CR (LINE_HALT). What follows it:
+ *    a small `r` directly behind is dropped (two programs send the two characters `\r` and no CR);
+ *    then a blank makes the rest up to CR part of HALT, ignored; anything else starts a new line,
+ *    so that a command glued behind an unterminated HALT is run and answered.
+ *  - 255 starts a two-byte control, taken anywhere and at once: 65 ASCII lines, 66 binary frames,
+ *    82 reset, 72 and 84 precision of WHERE. Any other second byte is dropped with it. A control
+ *    leaves the line typed so far alone, except that 65 and 66 drop it.
+ *  - Binary frames (axis, command, size 0 to 4, that many data bytes, 58) are consumed and ignored
+ *    up to 255 65. 255 65 inside a well-formed frame is data; bytes that form no frame are dropped
+ *    one by one, so noise never hides a later 255 65.
+ *
+ * Pure: no hardware, no time.
+ */
+#ifndef CORE_LINE_H
+#define CORE_LINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    LINE_MAX = 128,     /* characters of a line, CR not counted */
+    LINE_FRAME_MAX = 8, /* bytes of a binary frame */
+};
+
+enum line_event {
+    LINE_NONE,
+    LINE_READY,    /* `text` holds `length` characters, valid until the next byte */
+    LINE_TOO_LONG, /* a line was dropped; answer :N-6 */
+    LINE_HALT,     /* stop now, and answer as HALT */
+    LINE_CLEAR,    /* forget the lines that wait */
+    LINE_CONTROL,  /* `control` holds the second byte: 65, 66, 72, 82 or 84 */
+};
+
+struct line {
+    char text[LINE_MAX];
+    size_t length;
+    uint8_t control;
+    enum { LINE_START, LINE_TEXT, LINE_AFTER_HALT, LINE_AFTER_HALT_R, LINE_SKIP, LINE_OVER } state;
+    bool prefix;                   /* the last byte was 255 */
+    bool binary;                   /* binary frames instead of lines */
+    uint8_t frame[LINE_FRAME_MAX]; /* start of a frame, or bytes to read again after one */
+    size_t frame_length;
+    bool replay; /* `frame` holds bytes of lines that followed 255 65 */
+};
+
+void line_init(struct line *line);
+
+/**
+ * Take one byte. After each byte call line_again() until it returns LINE_NONE.
+ * @return  What the byte brought about.
+ */
+enum line_event line_byte(struct line *line, uint8_t byte);
+
+/** Events left over from the last byte (only after noise in binary mode); LINE_NONE: no more. */
+enum line_event line_again(struct line *line);
+
+#endif
