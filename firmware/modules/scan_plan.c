@@ -28,17 +28,20 @@ struct integers {
     uint32_t pixels;
 };
 
-/** Length of the line in millionths of a count, rounded down; saturates at 2^31 counts, which no line can have. */
+/* 2^31 counts, in millionths: more than any line within the 32-bit counts. */
+static const uint64_t LENGTH_LIMIT = (UINT64_C(1) << 31) * MILLION;
+
+/** Length of the line in millionths of a count, rounded down; saturates at LENGTH_LIMIT. */
 static uint64_t length_millionths(uint64_t length_nm, uint64_t counts_per_mm_millionths)
 {
-    const uint64_t limit = (UINT64_C(1) << 31) * MILLION;
     const uint64_t whole = counts_per_mm_millionths / MILLION;
     const uint64_t part = counts_per_mm_millionths % MILLION;
 
-    if (whole != 0 && length_nm > limit / whole)
-        return limit;
-    /* length_nm < 2^41 and part < 10^6 < 2^20: the product stays below 2^61. */
-    return whole * length_nm + part * length_nm / MILLION;
+    if (whole != 0 && length_nm > LENGTH_LIMIT / whole)
+        return LENGTH_LIMIT;
+    /* length_nm < 2^41 and part < 2^20: the product stays below 2^61. */
+    const uint64_t length = whole * length_nm + part * length_nm / MILLION;
+    return length < LENGTH_LIMIT ? length : LENGTH_LIMIT;
 }
 
 static enum scan_plan_status to_integers(const struct scan_settings *settings, double counts_per_mm,
@@ -61,12 +64,14 @@ static enum scan_plan_status to_integers(const struct scan_settings *settings, d
 
         const uint64_t length = length_millionths((uint64_t)(length_nm < 0 ? -length_nm : length_nm),
                                                   (uint64_t)to_millionths(counts_per_mm));
+        if (length == LENGTH_LIMIT)
+            return SCAN_PLAN_RANGE;
         line->pixels = (uint32_t)(length / line->pitch_millionths);
         if (line->pixels == 0)
             return SCAN_PLAN_NO_PIXELS;
     }
-    /* 2^31 counts is out of range whatever the start; below it the products of the plan fit 64 bits. */
-    if (line->pitch_millionths > (UINT64_C(1) << 31) * MILLION / line->pixels)
+    /* Below this the products of the plan fit 64 bits. */
+    if (line->pitch_millionths >= LENGTH_LIMIT / line->pixels)
         return SCAN_PLAN_RANGE;
     return SCAN_PLAN_OK;
 }
@@ -104,10 +109,10 @@ static uint32_t saturate_u32(double value)
  */
 static uint32_t choose_width(const struct scan_settings *settings, const struct scan_axis *axis, uint32_t interval_min)
 {
-    const uint32_t longest = interval_min < SCAN_PLAN_WIDTH_MAX + WIDTH_LOW_MIN_FAST
-                                 ? interval_min - (interval_min < WIDTH_LOW_MIN_FAST ? interval_min
-                                                                                     : WIDTH_LOW_MIN_FAST)
-                                 : SCAN_PLAN_WIDTH_MAX;
+    uint32_t longest = interval_min > WIDTH_LOW_MIN_FAST ? interval_min - WIDTH_LOW_MIN_FAST : 0;
+    if (longest > SCAN_PLAN_WIDTH_MAX)
+        longest = SCAN_PLAN_WIDTH_MAX;
+
     const double clocks_per_us = axis->fast_clock_hz / 1e6;
 
     if (settings->width_us > 0.0) {
