@@ -59,6 +59,8 @@ def main(argv: list[str] | None = None) -> int:
     """Measure every file; return the exit status."""
     top = parser()
     options = top.parse_args(argv)
+    if options.plot and len(options.file) > 1:
+        top.error("--plot draws one file at a time")
     settings = _settings(top, options)
     channels = (options.a or f"{options.axis}_a", options.b or f"{options.axis}_b", options.sync, options.pixel)
     status, results = EXIT_EXACT, {}
