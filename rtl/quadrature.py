@@ -71,13 +71,18 @@ class GlitchFilter(wiring.Component):
     change: Out(1)
     level: Out(1)
 
+    def __init__(self):
+        super().__init__()
+        # Further samples that must differ from ``level`` before the one that is believed.
+        self._missing = Signal(FILTER_BITS)
+
     def elaborate(self, platform):
         m = Module()
-        # Further samples that must differ from ``level`` before the one that is believed.
-        missing = Signal(FILTER_BITS)
-        differs = Signal()
-        m.d.comb += differs.eq(self.i ^ self.level)
-        m.d.comb += self.change.eq(differs & (missing == 0) & ~self.load)
+        missing, differs = self._missing, Signal()
+        m.d.comb += [
+            differs.eq((self.i ^ self.level) & ~self.load),
+            self.change.eq(differs & (missing == 0)),
+        ]
         with m.If(differs & (missing != 0)):
             m.d.fast += missing.eq(missing - 1)
         with m.Else():
@@ -123,7 +128,7 @@ class QuadratureDecoder(wiring.Component):
     def __init__(self, *, width=32):
         if not isinstance(width, int) or width < 2:
             raise ValueError(f"the count needs at least 2 bits, not {width!r}")
-        self._width = width
+        self._filters = [GlitchFilter() for _ in "abz"]
         super().__init__({
             "a": In(1), "b": In(1), "z": In(1), "settings": In(DecoderSettings),
             "steps": Out(StepStream(width)), "error": Out(1), "errors": Out(16),
@@ -137,14 +142,11 @@ class QuadratureDecoder(wiring.Component):
         settling = Signal(4, init=0b1111)
         m.d.fast += settling.eq(settling >> 1)
 
-        filters = []
-        for name in "abz":
-            pin = Signal(name=f"{name}_sampled")
-            m.submodules[f"{name}_sync"] = FFSynchronizer(getattr(self, name), pin, o_domain="fast")
-            m.submodules[f"{name}_filter"] = filter_ = GlitchFilter()
-            m.d.comb += [filter_.i.eq(pin), filter_.samples.eq(self.settings.filter), filter_.load.eq(settling[0])]
-            filters.append(filter_)
-        a, b, z = filters
+        a, b, z = self._filters
+        for name, pin, level in ("a", self.a, a), ("b", self.b, b), ("z", self.z, z):
+            m.submodules[f"{name}_sync"] = FFSynchronizer(pin, level.i, o_domain="fast")
+            m.submodules[f"{name}_filter"] = level
+            m.d.comb += [level.samples.eq(self.settings.filter), level.load.eq(settling[0])]
 
         # Judged together with the filters' change of level.  Upward exactly when the new level of A differs
         # from the old level of B; only the case of a single change is used.
