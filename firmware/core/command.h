@@ -8,7 +8,7 @@
  * that another module defines.
  *
  * A line is all or nothing: every argument is checked first, then sets are made in the order of the
- * line, then `run` acts, then queries are printed in hardware axis order. The first error in the
+ * line, then queries are printed in hardware axis order, then `run` acts. The first error in the
  * order -1, -3, -2, -4, -5 is the one reply, and nothing has changed (-5 alone may come from a
  * handler that has begun). A line with broken syntax (parser.h) is refused right after -1.
  */
@@ -87,6 +87,7 @@ struct parameter {
     char letter;         /* 'X' ..., or PARAMETER_AXES */
     enum parameter_type type;
     uint8_t decimals; /* printed, 0 to 9; PARAMETER_REAL only */
+    uint8_t decimals_max; /* if larger: as many up to this as it takes to print the value exactly */
     const char *unit;
     const char *summary;
     double minimum, maximum;                /* both allowed */

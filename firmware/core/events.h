@@ -51,6 +51,10 @@ struct module;
 /** Gather the subscriptions of all modules. False: more than EVENT_HOOKS_MAX hooks of one event. */
 bool events_init(const struct module *const *modules);
 
+/** The clock that stamps events published by core, in fast clocks. Without one they carry 0. */
+void events_set_clock(uint64_t (*now_fast)(void));
+uint64_t events_now(void);
+
 /** Publish from the main loop. */
 void events_publish(enum event_name name, uint32_t argument, uint64_t time_fast);
 

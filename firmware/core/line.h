@@ -11,11 +11,11 @@
  *    then a blank makes the rest up to CR part of HALT, ignored; anything else starts a new line,
  *    so that a command glued behind an unterminated HALT is run and answered.
  *  - 255 starts a two-byte control, taken anywhere and at once: 65 ASCII lines, 66 binary frames,
- *    82 reset, 72 and 84 precision of WHERE. Any other second byte is dropped with it. A control
- *    leaves the line typed so far alone, except that 65 and 66 drop it.
+ *    82 reset, 72 and 84 precision of WHERE (LINE_CONTROL). 65 and 66 drop the line typed so far,
+ *    the others leave it alone. Another second byte is dropped with the 255, CR excepted.
  *  - Binary frames (axis, command, size 0 to 4, that many data bytes, 58) are consumed and ignored
- *    up to 255 65. 255 65 inside a well-formed frame is data; bytes that form no frame are dropped
- *    one by one, so noise never hides a later 255 65.
+ *    until 255 65. Inside a well-formed frame these two are data; bytes that form no frame are
+ *    dropped one by one, so that noise never hides a 255 65 for longer than one frame.
  *
  * Pure: no hardware, no time.
  */
@@ -33,34 +33,41 @@ enum {
 
 enum line_event {
     LINE_NONE,
-    LINE_READY,    /* `text` holds `length` characters, valid until the next byte */
+    LINE_READY,    /* `text` holds `length` characters, valid until the next line_next */
     LINE_TOO_LONG, /* a line was dropped; answer :N-6 */
     LINE_HALT,     /* stop now, and answer as HALT */
     LINE_CLEAR,    /* forget the lines that wait */
     LINE_CONTROL,  /* `control` holds the second byte: 65, 66, 72, 82 or 84 */
 };
 
+enum {
+    LINE_CONTROL_ASCII = 65,
+    LINE_CONTROL_BINARY = 66,
+    LINE_CONTROL_FINE = 72,   /* WHERE in hundredths of a micron */
+    LINE_CONTROL_RESET = 82,
+    LINE_CONTROL_COARSE = 84, /* WHERE in tenths of a micron */
+};
+
 struct line {
     char text[LINE_MAX];
     size_t length;
     uint8_t control;
+
+    /* Private. */
     enum { LINE_START, LINE_TEXT, LINE_AFTER_HALT, LINE_AFTER_HALT_R, LINE_SKIP, LINE_OVER } state;
-    bool prefix;                   /* the last byte was 255 */
-    bool binary;                   /* binary frames instead of lines */
-    uint8_t frame[LINE_FRAME_MAX]; /* start of a frame, or bytes to read again after one */
-    size_t frame_length;
-    bool replay; /* `frame` holds bytes of lines that followed 255 65 */
+    bool complete; /* `text` has been handed out; the next byte starts afresh */
+    bool prefix;   /* the last byte was 255 */
+    bool binary;
+    uint8_t input[LINE_FRAME_MAX]; /* bytes put and not yet judged: the start of a binary frame */
+    size_t input_length;
 };
 
 void line_init(struct line *line);
 
-/**
- * Take one byte. After each byte call line_again() until it returns LINE_NONE.
- * @return  What the byte brought about.
- */
-enum line_event line_byte(struct line *line, uint8_t byte);
+/** Hand over one byte. Then call line_next until it returns LINE_NONE, before the next byte. */
+void line_put(struct line *line, uint8_t byte);
 
-/** Events left over from the last byte (only after noise in binary mode); LINE_NONE: no more. */
-enum line_event line_again(struct line *line);
+/** What the bytes so far brought about, one event a call; LINE_NONE: no more. */
+enum line_event line_next(struct line *line);
 
 #endif

@@ -61,6 +61,9 @@ struct request {
  */
 enum status parser_parse(const char *line, size_t length, struct request *request);
 
+/** The verb of a line alone, as in request.verb; `verb` has room for VERB_MAX + 1 characters. */
+void parser_verb(const char *line, size_t length, char *verb);
+
 /** The last argument of a letter, or NULL: what a command acts on when a letter is repeated. */
 const struct argument *request_argument(const struct request *request, char letter);
 

@@ -2,9 +2,9 @@
 /**
  * Settings: the values of all parameter rows, and where they are kept.
  *
- * Saved are the parameters of class SAVED_BY_SS, each under a key made of its command, letter and
- * axis, so that a store survives a firmware with other rows. The back end here is RAM: it outlives
- * a software reset of the parameters, not the power.
+ * Each value is kept under a key made of its command, letter and axis, so that a store survives a
+ * firmware with other rows. SS Z keeps all but the class SAVED_NEVER. The back end here is RAM: it
+ * outlives a software reset of the parameters, not the power.
  */
 #ifndef CORE_SETTINGS_H
 #define CORE_SETTINGS_H
@@ -20,13 +20,15 @@ enum { SETTINGS_MAX = 192 }; /* values the RAM back end keeps */
 struct settings_store {
     bool (*read)(uint32_t key, double *value); /* false: no such key */
     bool (*write)(uint32_t key, double value); /* false: full */
-    void (*erase)(void);
 };
 
 extern const struct settings_store settings_ram;
 
 /** Choose the store; before settings_load. */
 void settings_init(const struct settings_store *store);
+
+/** Keep one value now: parameters of class SAVED_AT_ONCE, called by the dispatcher. */
+void settings_keep(const struct parameter *parameter, unsigned axis);
 
 /** Give every parameter its initial value, then what is saved. Start-up and RESET. */
 void settings_load(void);

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "core/console.h"
+
+#include <string.h>
+
+#include "core/events.h"
+
+/* Stands in the queue for a line that was dropped; no line holds control bytes. */
+static const char lost_line[] = "\x15";
+
+void console_init(struct console *console, struct ring *receive, struct ring *transmit,
+                  void (*kick)(void))
+{
+    memset(console, 0, sizeof *console);
+    console->receive = receive;
+    console->transmit = transmit;
+    console->kick = kick;
+    console->queue.bytes = console->queue_bytes;
+    console->queue.mask = CONSOLE_QUEUE - 1;
+    line_init(&console->line);
+}
+
+static bool queue_line(struct console *console, const char *text, size_t length)
+{
+    if (ring_free(&console->queue) < length + 1)
+        return false;
+    for (size_t i = 0; i < length; i++)
+        ring_put(&console->queue, (uint8_t)text[i]);
+    ring_put(&console->queue, '\r');
+    return true;
+}
+
+/* With no room even for the mark the host has sent a thousand bytes and read nothing. */
+static void queue_or_lose(struct console *console, const char *text, size_t length)
+{
+    if (!queue_line(console, text, length))
+        (void)queue_line(console, lost_line, 1);
+}
+
+static void control(uint8_t byte)
+{
+    switch (byte) {
+    case LINE_CONTROL_FINE:
+        reply_position_decimals = 1;
+        break;
+    case LINE_CONTROL_COARSE:
+        reply_position_decimals = 0;
+        break;
+    case LINE_CONTROL_RESET:
+        events_publish(EVENT_RESET, 0, events_now());
+        break;
+    default:
+        break;
+    }
+}
+
+static void handle(struct console *console, enum line_event event)
+{
+    const struct line *line = &console->line;
+
+    switch (event) {
+    case LINE_READY:
+        command_urgent(line->text, line->length);
+        queue_or_lose(console, line->text, line->length);
+        break;
+    case LINE_HALT:
+        command_urgent("\\", 1);
+        queue_or_lose(console, "\\", 1);
+        break;
+    case LINE_TOO_LONG:
+        (void)queue_line(console, lost_line, 1);
+        break;
+    case LINE_CLEAR:
+        ring_clear(&console->queue);
+        break;
+    case LINE_CONTROL:
+        control(line->control);
+        break;
+    default:
+        break;
+    }
+}
+
+static void take_input(struct console *console)
+{
+    uint32_t count = ring_used(console->receive);
+    uint8_t byte;
+
+    for (; count > 0 && ring_take(console->receive, &byte); count--) {
+        enum line_event event;
+
+        line_put(&console->line, byte);
+        while ((event = line_next(&console->line)) != LINE_NONE)
+            handle(console, event);
+    }
+}
+
+/* Give the reply its end, or keep it open. */
+static void conclude(struct console *console, enum status status, bool first)
+{
+    struct reply *reply = &console->reply;
+
+    if (reply->overflow)
+        status = STATUS_UNDEFINED;
+    if (status == STATUS_PENDING) {
+        console->state = CONSOLE_PENDING;
+        return;
+    }
+    console->state = CONSOLE_LAST;
+    if (status < 0) {
+        reply_clear(reply);
+        reply_text(reply, ":N");
+        reply_integer(reply, status);
+    } else if (status == STATUS_OK && first && reply->length == 0) {
+        reply_text(reply, ":A ");
+    }
+    if (status != STATUS_SILENT) {
+        reply->text[reply->length++] = '\r';
+        reply->text[reply->length++] = '\n';
+    }
+}
+
+static void next_line(struct console *console)
+{
+    size_t length = 0;
+    uint8_t byte;
+    enum status status = STATUS_UNDEFINED;
+
+    while (ring_take(&console->queue, &byte) && byte != '\r')
+        console->text[length++] = (char)byte;
+    if (length == 0)
+        return;
+    reply_clear(&console->reply);
+    if (console->text[0] != lost_line[0])
+        status = command_execute(console->text, length, &console->request, &console->reply);
+    conclude(console, status, true);
+}
+
+static void next_part(struct console *console)
+{
+    struct reply *reply = &console->reply;
+
+    reply->length = 0;
+    reply->sent = 0;
+    reply->overflow = false;
+    conclude(console, command_resume(&console->request, reply), false);
+}
+
+/* True when all of the text has gone into the ring. */
+static bool send(struct console *console)
+{
+    struct reply *reply = &console->reply;
+    size_t before = reply->sent;
+
+    while (reply->sent < reply->length &&
+           ring_put(console->transmit, (uint8_t)reply->text[reply->sent]))
+        reply->sent++;
+    if (reply->sent > before && console->kick != NULL)
+        console->kick();
+    return reply->sent == reply->length;
+}
+
+void console_poll(struct console *console)
+{
+    take_input(console);
+    if (console->state == CONSOLE_IDLE)
+        next_line(console);
+    if (console->state == CONSOLE_IDLE || !send(console))
+        return;
+    if (console->state == CONSOLE_PENDING) {
+        next_part(console);
+        return;
+    }
+    console->state = CONSOLE_IDLE;
+    events_publish(EVENT_REPORT_SENT, 0, events_now());
+}
+
+bool console_idle(const struct console *console)
+{
+    return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0;
+}

@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/** SAVESET, and the precision of WHERE (VB Z). */
+#ifndef MODULES_SETTINGS_H
+#define MODULES_SETTINGS_H
+
+#include "core/module.h"
+
+extern const struct module settings_module;
+
+#endif
