@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Motor PWM, and the servo tick that is an integer division of its period."""
+
+from amaranth import Module, Mux, Signal, signed, unsigned
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out, connect, flipped
+
+from rtl.registers import Field, Register, RegisterBank, action
+
+__all__ = ["AXES", "PERIOD_CLOCKS", "Pwm", "PwmPeripheral", "ServoTick"]
+
+AXES = 4
+PERIOD_CLOCKS = 2500
+
+
+class Pwm(wiring.Component):
+    """One sign-magnitude PWM channel.  Domain ``sync``.
+
+    ``duty`` is taken on the clock of ``start``; the pins follow 2 clocks later: ``pwm`` is high for the first
+    ``abs(duty)`` clocks of the period and low for the rest, and ``dir`` changes nowhere else.
+
+    ``off`` forces ``pwm`` low 1 clock later, whatever the period is doing.  It stays low for the rest of that
+    period and starts again with the first ``start`` at which ``off`` is low.  ``dir`` keeps its level.
+
+    Parameters
+    ----------
+    period_clocks : int
+        Length of a period, 2 to 4095.
+
+    Members
+    -------
+    duty : In(signed(13))
+        Clocks of drive in a period; the sign is the direction.  Clamped to +- ``period_clocks``.
+    off : In(1)
+        Hold the drive off.
+    start : In(1)
+        One-clock strobe at the start of a period.
+    phase : In(12)
+        Clocks since the period started: 0 on the clock after ``start``.
+    pwm, dir : Out(1)
+        Pins, from flip-flops, low after reset.  ``dir`` = 1 drives toward +; 0 for a duty of 0.
+    """
+
+    def __init__(self, *, period_clocks=PERIOD_CLOCKS):
+        if not 2 <= period_clocks < 1 << 12:
+            raise ValueError(f"period_clocks must be 2 to 4095, not {period_clocks!r}")
+        self._period_clocks = period_clocks
+        super().__init__({"duty": In(signed(13)), "off": In(1), "start": In(1), "phase": In(unsigned(12)),
+                          "pwm": Out(1), "dir": Out(1)})
+
+    def elaborate(self, platform):
+        m = Module()
+        magnitude = Signal(13)
+        on_clocks = Signal(12)
+        direction = Signal()
+        m.d.comb += magnitude.eq(Mux(self.duty < 0, -self.duty, self.duty))
+        with m.If(self.off):
+            m.d.sync += on_clocks.eq(0)
+        with m.Elif(self.start):
+            m.d.sync += [
+                on_clocks.eq(Mux(magnitude > self._period_clocks, self._period_clocks, magnitude)),
+                direction.eq(self.duty > 0),
+            ]
+        m.d.sync += [
+            self.pwm.eq((self.phase < on_clocks) & ~self.off),
+            self.dir.eq(direction),
+        ]
+        return m
+
+
+class ServoTick(wiring.Component):
+    """Every ``divider``-th start of a PWM period.  Domain ``sync``.
+
+    Members
+    -------
+    start : In(1)
+        One-clock strobe at the start of a PWM period.
+    divider : In(8)
+        Periods per tick; 0 = no ticks.  Taken at a tick, or at once when it was 0.
+    tick : Out(1)
+        One-clock strobe, 1 clock after the ``start`` it belongs to.
+    """
+
+    start: In(1)
+    divider: In(8)
+    tick: Out(1)
+
+    def elaborate(self, platform):
+        m = Module()
+        left = Signal(8)
+        due = self.start & (left == 0) & (self.divider != 0)
+        m.d.sync += self.tick.eq(due)
+        with m.If(due):
+            m.d.sync += left.eq(self.divider - 1)
+        with m.Elif(self.start & (left != 0)):
+            m.d.sync += left.eq(left - 1)
+        return m
+
+
+class PwmPeripheral(wiring.Component):
+    """Four PWM channels and the servo tick on the CSR bus.  Domain ``sync``.
+
+    The order of things in a servo period: a PWM period starts, ``tick_stb`` asks for the snapshot 1 clock
+    later, ``latched_stb`` answers, ``interrupt`` rises 1 clock after that, and a duty written before the next
+    PWM period starts is driven from there on.
+
+    Parameters
+    ----------
+    period_clocks : int
+        Length of a PWM period; 2500 clocks of 20 ns are 50 us, 20 kHz.
+
+    Members
+    -------
+    inhibit : In(1)
+        Interlock: all four drives off 1 clock later, see :class:`Pwm`.
+    tick_stb : Out(1)
+        Servo tick: take a snapshot now.
+    latched_stb : In(1)
+        The snapshot asked for is readable.
+    interrupt : Out(1)
+        High while ``Interrupt.tick`` is set.
+    pwm, dir : Out(4)
+        Motor pins, one bit per axis, from flip-flops, low after reset.
+    motor_enable : Out(1)
+        Power stages on: some axis is enabled and the interlock is quiet.  From a flip-flop, low after reset,
+        1 clock after its causes.
+    """
+
+    class Duty(Register, access="rw"):
+        """Drive of one axis."""
+        value: Field(action.RW, signed(13), unit="clocks of 2500",
+                     doc="-2500 to 2500, clamped; positive drives toward +. Taken at the start of a PWM period.")
+
+    class Control(Register, access="rw"):
+        """Which axes may be driven."""
+        enable: Field(action.RW, 4, doc="Bit n: axis n is driven, from the next PWM period. "
+                                        "Cleared: its pin goes low at once.")
+
+    class TickDivider(Register, access="rw"):
+        """Rate of the servo tick."""
+        value: Field(action.RW, unsigned(8), init=4, unit="PWM periods",
+                     doc="Periods per servo tick; 0 stops it. Taken at a tick.")
+
+    class Status(Register, access="r"):
+        """State of the drives."""
+        inhibited: Field(action.R, 1, doc="The interlock holds all drives off now.")
+        driven: Field(action.R, 4, doc="Bit n: the pin of axis n is high now.")
+
+    class Interrupt(Register, access="rw"):
+        """Servo tick; a set tick holds the interrupt line."""
+        tick: Field(action.RW1C, 1, doc="The snapshot of a servo tick is ready. Write 1 to clear.")
+        overrun: Field(action.RW1C, 1, doc="A tick came while tick was still set: the servo loop is late. "
+                                           "Write 1 to clear.")
+
+    def __init__(self, *, period_clocks=PERIOD_CLOCKS):
+        self._period_clocks = period_clocks
+        self._registers = registers = RegisterBank(addr_width=4)
+        self._duty = [registers.add(self.Duty, offset=4 * n, name=f"duty{n}") for n in range(AXES)]
+        self._control = registers.add(self.Control, offset=0x10)
+        self._tick_divider = registers.add(self.TickDivider, offset=0x14)
+        self._status = registers.add(self.Status, offset=0x18)
+        self._interrupt = registers.add(self.Interrupt, offset=0x1c)
+        memory_map = registers.finish()
+        super().__init__({
+            "bus": In(registers.bus_signature), "inhibit": In(1), "tick_stb": Out(1), "latched_stb": In(1),
+            "interrupt": Out(1), "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
+        })
+        self.bus.memory_map = memory_map
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.registers = self._registers
+        connect(m, flipped(self.bus), self._registers.bus)
+
+        phase = Signal(12)
+        start = Signal()
+        m.d.comb += start.eq(phase == self._period_clocks - 1)
+        m.d.sync += phase.eq(Mux(start, 0, phase + 1))
+
+        enable = self._control.f.enable.data
+        for n, duty in enumerate(self._duty):
+            m.submodules[f"axis{n}"] = axis = Pwm(period_clocks=self._period_clocks)
+            m.d.comb += [
+                axis.duty.eq(duty.f.value.data), axis.off.eq(self.inhibit | ~enable[n]),
+                axis.start.eq(start), axis.phase.eq(phase),
+                self.pwm[n].eq(axis.pwm), self.dir[n].eq(axis.dir),
+            ]
+        m.d.sync += self.motor_enable.eq(enable.any() & ~self.inhibit)
+
+        m.submodules.tick = tick = ServoTick()
+        interrupt = self._interrupt.f
+        m.d.comb += [
+            tick.start.eq(start), tick.divider.eq(self._tick_divider.f.value.data),
+            self.tick_stb.eq(tick.tick),
+            interrupt.tick.set.eq(self.latched_stb),
+            interrupt.overrun.set.eq(tick.tick & interrupt.tick.data),
+            self.interrupt.eq(interrupt.tick.data),
+            self._status.f.inhibited.r_data.eq(self.inhibit),
+            self._status.f.driven.r_data.eq(self.pwm),
+        ]
+        return m

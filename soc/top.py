@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The controller: which blocks, at which addresses, on which interrupts, and the wires between them."""
+
+from dataclasses import dataclass
+from typing import Callable
+
+from amaranth import Module
+from amaranth.lib import wiring
+from amaranth.lib.wiring import In, Out, connect
+
+from rtl.identity import IdentityPeripheral
+from rtl.inputs import InputsPeripheral
+from rtl.interlock import Interlock
+from rtl.pwm import PwmPeripheral
+from rtl.quadrature import QuadraturePeripheral
+from rtl.registers import BUS_WIDTH, csr
+from rtl.serial import SerialPeripheral
+from rtl.timer import TimerPeripheral
+from soc.bus import BusFaultPeripheral, BusTimeout, RegisterBridge
+from soc.cpu import BUS, Cpu
+from soc.memory import OnChipMemory, Region
+from amaranth_soc import wishbone
+
+__all__ = ["Abbe", "AXES", "PERIPHERALS", "REGISTERS", "REGIONS"]
+
+CLOCK_HZ = 50_000_000
+FAST_CLOCK_HZ = 200_000_000
+AXES = 4
+
+REGIONS = (
+    Region("boot", plusarg="boot", address=0x0000_0000, size=8 << 10, writable=False),
+    Region("ram", plusarg="firmware", address=0x0001_0000, size=128 << 10, writable=True),
+)
+MEMORY_ADDRESS_BITS = 18
+
+REGISTERS = 0xffff_f000
+"""First address of the 4 KiB of registers.  The most significant bit set means: not cached."""
+REGISTERS_ADDRESS_BITS = 12
+
+
+@dataclass(frozen=True)
+class Peripheral:
+    """One line of :data:`PERIPHERALS`."""
+    name: str
+    address: int
+    make: Callable
+    interrupt: tuple = None
+    """(name, line)"""
+
+
+PERIPHERALS = (
+    Peripheral("identity", 0xffff_f000, IdentityPeripheral),
+    Peripheral("bus", 0xffff_f040, lambda: BusFaultPeripheral(BUS), interrupt=("bus", 4)),
+    Peripheral("inputs", 0xffff_f080, InputsPeripheral),
+    Peripheral("serial", 0xffff_f0c0, SerialPeripheral, interrupt=("serial", 1)),
+    Peripheral("timer", 0xffff_f100, TimerPeripheral, interrupt=("timer", 2)),
+    # Within reach of one load or store off x0, for the servo loop.
+    Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
+    *(Peripheral(f"quadrature{n}", 0xffff_fa00 + 0x10 * n, QuadraturePeripheral) for n in range(AXES)),
+)
+
+
+class Abbe(wiring.Component):
+    """The whole controller.  Domains ``sync`` 50 MHz, ``fast`` 200 MHz, and ``cpu``, which is ``sync`` but may
+    be stopped while ``cpu_asleep`` is high (see :class:`soc.cpu.Cpu`).
+
+    Parameters
+    ----------
+    build_id : int
+        Readable in the identity block; see :func:`soc.verilog.build_id`.
+
+    Members: pins, all active high.  Inputs are asynchronous, outputs come from flip-flops.
+    -------
+    enc_a, enc_b, enc_z : In(4)
+        Encoders of X, Y, Z, F; the count goes up when A leads B.
+    limit_lower, limit_upper : In(4)
+        1 = closed, at the limit.
+    estop : In(1)
+        1 = drives off.
+    in0, in1 : In(1)
+        TTL inputs.
+    serial_rx, serial_tx : In(1), Out(1)
+        Serial port, idle high.
+    pwm, dir : Out(4)
+        Motor drive; ``dir`` 1 = toward +.
+    motor_enable : Out(1)
+        Power stages on.
+    cpu_asleep : Out(1)
+        Simulation only.
+    """
+
+    def __init__(self, *, build_id=0):
+        self._make = {"identity": lambda: IdentityPeripheral(
+            clock_hz=CLOCK_HZ, fast_clock_hz=FAST_CLOCK_HZ, build_id=build_id)}
+        self.peripherals = {p.name: self._make.get(p.name, p.make)() for p in PERIPHERALS}
+        self._decoder = csr.Decoder(addr_width=REGISTERS_ADDRESS_BITS - 2, data_width=BUS_WIDTH)
+        for p in PERIPHERALS:
+            self._decoder.add(self.peripherals[p.name].bus, name=p.name, addr=(p.address - REGISTERS) // 4)
+        self.register_map = self._decoder.bus.memory_map
+        super().__init__({
+            "enc_a": In(AXES), "enc_b": In(AXES), "enc_z": In(AXES),
+            "limit_lower": In(AXES), "limit_upper": In(AXES), "estop": In(1), "in0": In(1), "in1": In(1),
+            "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
+            "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
+            "cpu_asleep": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        for name, peripheral in self.peripherals.items():
+            m.submodules[name] = peripheral
+        self._connect_processor(m)
+        self._connect_blocks(m)
+        return m
+
+    def _connect_processor(self, m):
+        m.submodules.cpu = cpu = Cpu(reset_vector=REGIONS[0].address)
+        m.submodules.memory = memory = OnChipMemory(REGIONS, addr_width=MEMORY_ADDRESS_BITS)
+        m.submodules.registers = self._decoder
+        m.submodules.bridge = bridge = RegisterBridge(self._decoder.bus)
+        connect(m, bridge.csr, self._decoder.bus)
+        for name, targets in ("ibus", [(memory.ibus, 0)]), ("dbus", [(memory.dbus, 0), (bridge.bus, REGISTERS)]):
+            decoder = wishbone.Decoder(addr_width=BUS.addr_width, data_width=BUS_WIDTH, granularity=8,
+                                       features=BUS.features)
+            for target, address in targets:
+                decoder.add(target, addr=address, name="registers" if address else "memory")
+            timeout = BusTimeout(BUS)
+            m.submodules[f"{name}_decoder"], m.submodules[f"{name}_timeout"] = decoder, timeout
+            connect(m, getattr(cpu, name), timeout.initiator)
+            connect(m, timeout.target, decoder.bus)
+        for p in PERIPHERALS:
+            if p.interrupt:
+                m.d.comb += cpu.interrupts[p.interrupt[1]].eq(self.peripherals[p.name].interrupt)
+        fault = self.peripherals["bus"]
+        for name in "cyc", "stb", "we", "err", "adr":
+            m.d.comb += getattr(fault, name).eq(getattr(cpu.dbus, name))
+        m.d.comb += self.cpu_asleep.eq(cpu.asleep)
+
+    def _connect_blocks(self, m):
+        block = self.peripherals
+        m.submodules.interlock = interlock = Interlock()
+        pwm, inputs, serial = block["pwm"], block["inputs"], block["serial"]
+        m.d.comb += [
+            interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
+            self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),
+            serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx),
+        ]
+        for name in "limit_lower", "limit_upper", "estop", "in0", "in1":
+            m.d.comb += getattr(inputs, name).eq(getattr(self, name))
+        for n in range(AXES):
+            encoder = block[f"quadrature{n}"]
+            m.d.comb += [encoder.a.eq(self.enc_a[n]), encoder.b.eq(self.enc_b[n]),
+                         encoder.z.eq(self.enc_z[n])]
