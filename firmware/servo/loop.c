@@ -10,6 +10,8 @@ static void enter(struct loop_state *st, enum loop_mode mode)
 {
     st->mode = mode;
     st->mode_ticks = 0;
+    st->dead_ticks = 0;
+    st->away_ticks = 0;
     st->near_ticks = 0;
     if (mode == LOOP_IDLE || mode == LOOP_FREE)
         st->commanded = false;
@@ -29,43 +31,43 @@ void loop_rest(struct loop_state *st)
     st->fault = LOOP_NO_FAULT;
 }
 
+static void start(const struct loop_config *cfg, struct loop_state *st, enum loop_mode mode,
+                  int32_t error_q8)
+{
+    pid_reset(&st->pid, error_q8);
+    nudge_reset(&cfg->nudge, &st->nudge);
+    enter(st, mode);
+}
+
 /* The mode for this tick, from the last one's and what is seen now. */
-static void decide(const struct loop_config *cfg, struct loop_state *st, bool moving, int32_t error_q8)
+static void decide(const struct loop_config *cfg, struct loop_state *st, bool moving,
+                   int32_t error_q8)
 {
     int32_t distance = magnitude(st->error_counts);
+    bool near = distance <= cfg->finish_counts;
 
     if (st->mode == LOOP_FREE)
         return;
-    if (st->mode != LOOP_IDLE && distance > cfg->error_limit_counts) {
-        loop_free(st, LOOP_LOST);
-        return;
-    }
     if (moving) {
-        if (st->mode == LOOP_IDLE)
-            pid_reset(&st->pid, error_q8);
         if (st->mode != LOOP_TRACK)
-            enter(st, LOOP_TRACK);
+            start(cfg, st, LOOP_TRACK, error_q8);
         return;
     }
     switch (st->mode) {
     case LOOP_IDLE:
-        if (distance > cfg->drift_counts) {
-            pid_reset(&st->pid, error_q8);
-            enter(st, LOOP_SETTLE);
-        } else if (st->commanded) {
-            pid_reset(&st->pid, error_q8);
-            enter(st, LOOP_SETTLE);
-            st->commanded = true;
-        }
+        /* A commanded motion of no length arrives by way of SETTLE as any other. */
+        if (st->commanded || distance > cfg->drift_counts)
+            start(cfg, st, LOOP_SETTLE, error_q8);
         break;
     case LOOP_TRACK:
+        nudge_reset(&cfg->nudge, &st->nudge);
         enter(st, LOOP_SETTLE);
         break;
     case LOOP_SETTLE:
-        st->near_ticks = distance <= cfg->finish_counts ? st->near_ticks + 1 : 0;
+        st->near_ticks = near ? st->near_ticks + 1 : 0;
         if (st->near_ticks >= cfg->settle_ticks)
             enter(st, st->commanded && cfg->wait_ticks > 0 ? LOOP_WAIT : LOOP_IDLE);
-        else if (++st->mode_ticks > cfg->settle_limit_ticks)
+        else if (st->nudge.active && ++st->mode_ticks > cfg->settle_limit_ticks)
             loop_free(st, LOOP_NOT_SETTLED);
         break;
     case LOOP_WAIT:
@@ -77,26 +79,93 @@ static void decide(const struct loop_config *cfg, struct loop_state *st, bool mo
     }
 }
 
-int32_t loop_tick(const struct loop_config *cfg, struct loop_state *st, const struct profile_state *profile,
-                  int32_t position_counts)
+/* Bring a standing set-point and the axis together: let go, nudge, or regulate. */
+static int32_t settle(const struct loop_config *cfg, struct loop_state *st, int32_t error_q8)
 {
-    /* Subtract with 8 fraction bits: both terms are below 2^40 whatever the set-point, so nothing overflows. */
-    int64_t error_q8 = (profile->now.position_q32 >> 24) - (int64_t)position_counts * 256;
-    int32_t clamped_q8 = (int32_t)pid_clamp(error_q8, PID_ERROR_LIMIT_Q8);
+    int32_t distance = magnitude(st->error_counts);
 
-    st->error_counts = (int32_t)pid_clamp(error_q8 / 256, INT32_MAX);
-    if (position_counts != st->position_counts)
+    if (distance <= cfg->finish_counts) {
+        pid_reset(&st->pid, error_q8);
+        return 0;
+    }
+    if (distance > cfg->nudge.reach_counts)
+        st->nudge.active = false;
+    else if (st->still_ticks >= cfg->nudge.rest_ticks)
+        st->nudge.active = true;
+    if (!st->nudge.active)
+        return pid_tick(&cfg->pid, &st->pid, error_q8, 0, 0);
+    pid_reset(&st->pid, error_q8);
+    return nudge_tick(&cfg->nudge, &st->nudge, st->error_counts, st->position_counts,
+                      st->still_ticks);
+}
+
+/* Let go of an axis that does not obey: its encoder or motor is not what the loop takes it for. */
+static void supervise(const struct loop_config *cfg, struct loop_state *st, int32_t moved_counts)
+{
+    bool full = magnitude(st->duty_steps) >= cfg->pid.output_limit_steps;
+    bool far = magnitude(st->error_counts) > cfg->runaway_counts;
+
+    st->dead_ticks = full && moved_counts == 0 ? st->dead_ticks + 1 : 0;
+    if (!far)
+        st->away_ticks = 0;
+    else if (moved_counts != 0 && (moved_counts > 0) != (st->error_counts > 0))
+        st->away_ticks++;
+    else if (st->away_ticks > 0)
+        st->away_ticks--;
+
+    if (st->away_ticks > cfg->runaway_ticks)
+        loop_free(st, LOOP_RUNAWAY);
+    else if (st->dead_ticks > cfg->dead_ticks)
+        loop_free(st, LOOP_DEAD);
+}
+
+/* Note this tick's set-point; return the one of lead_ticks ago. */
+static int64_t delayed_q8(const struct loop_config *cfg, struct loop_state *st,
+                          const struct profile_state *profile)
+{
+    if (profile_moving(profile))
+        st->late_ticks = cfg->lead_ticks + 1;
+    else if (st->late_ticks > 0)
+        st->late_ticks--;
+    st->newest = (st->newest + 1) % LOOP_LEAD_TICKS;
+    st->setpoint_q8[st->newest] = profile->now.position_q32 >> 24;
+    return st->setpoint_q8[(st->newest - cfg->lead_ticks) % LOOP_LEAD_TICKS];
+}
+
+int32_t loop_tick(const struct loop_config *cfg, struct loop_state *st,
+                  const struct profile_state *profile, int32_t position_counts)
+{
+    /* Subtract with 8 fraction bits: both terms are below 2^40 whatever the set-point is. */
+    int64_t difference_q8 = delayed_q8(cfg, st, profile) - (int64_t)position_counts * 256;
+    int32_t error_q8 = (int32_t)pid_clamp(difference_q8, PID_ERROR_LIMIT_Q8);
+
+    int32_t moved_counts = (int32_t)((uint32_t)position_counts - (uint32_t)st->position_counts);
+
+    st->error_counts = (int32_t)pid_clamp(difference_q8 / 256, INT32_MAX);
+    if (moved_counts != 0)
         st->still_ticks = 0;
     else if (st->still_ticks < UINT32_MAX)
         st->still_ticks++;
     st->position_counts = position_counts;
 
-    decide(cfg, st, profile_moving(profile), clamped_q8);
-    if (st->mode == LOOP_FREE || st->mode == LOOP_IDLE) {
+    if (st->mode != LOOP_FREE && st->mode != LOOP_IDLE)
+        supervise(cfg, st, moved_counts);
+    decide(cfg, st, st->late_ticks > 0, error_q8);
+    switch (st->mode) {
+    case LOOP_FREE:
+    case LOOP_IDLE:
         st->duty_steps = 0;
-        return 0;
+        break;
+    case LOOP_SETTLE:
+    case LOOP_WAIT:
+        st->duty_steps = settle(cfg, st, error_q8);
+        break;
+    case LOOP_TRACK:
+        st->duty_steps = pid_tick(
+            &cfg->pid, &st->pid, error_q8,
+            (int32_t)pid_clamp(profile->now.velocity_q32 >> 16, PID_VELOCITY_LIMIT_Q16),
+            (int32_t)pid_clamp(profile->half_acceleration_q32 >> 11, PID_ACCELERATION_LIMIT_Q20));
+        break;
     }
-    st->duty_steps = pid_tick(&cfg->pid, &st->pid, clamped_q8, (int32_t)(profile->now.velocity_q32 >> 16),
-                              (int32_t)((2 * profile->half_acceleration_q32) >> 12));
     return st->duty_steps;
 }

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Differences of the error are clamped to 16384 counts per tick, so that 16 fraction bits fit 31. */
-#define DIFFERENCE_LIMIT_Q8 (INT32_C(1) << 22)
+/* Just below 16384 counts per tick: with 16 fraction bits, a difference of two fits 32 bits. */
+#define DIFFERENCE_LIMIT_Q8 ((INT32_C(1) << 22) - 1)
 
 static double gain(int32_t value)
 {
@@ -26,7 +26,8 @@ void pid_configure(struct pid_config *cfg, const struct pid_gains *gains, uint32
     cfg->kd_q16 = saturate(gain(gains->kd) / 8.0 / tick_ms * 65536.0);
     cfg->kv_q16 = saturate(gain(gains->kv) / 16.0 / tick_ms * 65536.0);
     cfg->ka_q8 = saturate(gain(gains->ka) / 2.0 / (tick_ms * tick_ms) * 256.0);
-    cfg->filter_q16 = saturate(65536.0 * tick_ms / (tick_ms + gain(gains->derivative_filter_us) / 1000.0));
+    cfg->filter_q16 =
+        saturate(65536.0 * tick_ms / (tick_ms + gain(gains->derivative_filter_us) / 1000.0));
     cfg->approach_q16 = saturate(gain(gains->approach_per_s) * tick_ms / 1000.0 * 65536.0);
     cfg->friction_steps = saturate(gain(gains->friction_steps));
     /* Below 2^20, so that its product with the wanted speed stays below 2^60. */
@@ -41,10 +42,11 @@ void pid_reset(struct pid_state *st, int32_t error_q8)
     st->derivative_q16 = 0;
 }
 
-/* Widths: every product is of a 31-bit gain and a value of at most 2^30, and enters the sum with 24 fraction bits.
- * P 2^31+23; I 2^15+24; D 2^31+30-8; V 2^31+26-8; A 2^31+26-4; friction 2^15+24: the sum is below 2^56. */
-int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t error_q8, int32_t velocity_q16,
-                 int32_t acceleration_q20)
+/* Widths. Every product is of a gain below 2^31 and a value of at most 2^30, and enters the sum with
+ * 24 fraction bits: P below 2^(31+23), I 2^(15+24), D 2^(31+30-8), V 2^(31+26-8), A 2^(31+26-4),
+ * friction 2^(15+24). The sum is below 2^56; the friction product itself below 2^(40+20). */
+int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t error_q8,
+                 int32_t velocity_q16, int32_t acceleration_q20)
 {
     int32_t error = (int32_t)pid_clamp(error_q8, PID_ERROR_LIMIT_Q8);
     int32_t velocity = (int32_t)pid_clamp(velocity_q16, PID_VELOCITY_LIMIT_Q16);
@@ -56,7 +58,8 @@ int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t err
     int64_t wanted_q24, output_q24;
 
     st->error_q8 = error;
-    st->derivative_q16 += (int32_t)(((int64_t)(difference_q16 - st->derivative_q16) * cfg->filter_q16) >> 16);
+    st->derivative_q16 += (int32_t)(
+        ((int64_t)(difference_q16 - st->derivative_q16) * cfg->filter_q16) >> 16);
 
     wanted_q24 = (int64_t)velocity * 256 + (int64_t)cfg->approach_q16 * error;
     output_q24 = (int64_t)cfg->kp_q16 * error;

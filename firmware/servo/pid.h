@@ -4,9 +4,10 @@
  *
  * output = KP e + KI sum(e) + KD de/dt + KV v + KA a + friction(v + approach e), clamped.
  *
- * Feed-forward does the work, so that the error it leaves is small and the gains may be gentle. The friction term is
- * the running friction in the direction the axis *should* go: the set-point's velocity, or towards the set-point when
- * that stands still. Within `knee` of standstill it falls off in proportion, so it does not chatter.
+ * Feed-forward does the work, so that the error it leaves is small and the gains may be gentle. The
+ * friction term is the running friction in the direction the axis *should* go: the set-point's
+ * velocity, or towards the set-point when that stands still. Within `knee` of standstill it falls
+ * off in proportion, so it does not chatter.
  *
  * Gains are given in physical time and converted once per change to the servo period in use.
  */
@@ -15,7 +16,10 @@
 
 #include <stdint.h>
 
-/** Gains as a user sets them; "step" is one step of PWM duty. Values are clamped to 0..32767 in conversion. */
+/**
+ * Gains as a user sets them; "step" is one step of PWM duty. Values are clamped to 0..32767 in
+ * conversion.
+ */
 struct pid_gains {
     int32_t kp; /**< 1/64 step per count. */
     int32_t ki; /**< 1/1024 step per count and ms. */
@@ -36,7 +40,7 @@ struct pid_config {
     int32_t kd_q16;         /**< Steps per count/tick. */
     int32_t kv_q16;         /**< Steps per count/tick. */
     int32_t ka_q8;          /**< Steps per count/tick^2. */
-    int32_t filter_q16;     /**< Share of a new difference the derivative takes up in a tick, up to 1. */
+    int32_t filter_q16;     /**< Share of a new difference the derivative takes up, up to 1. */
     int32_t approach_q16;   /**< Counts/tick per count. */
     int32_t friction_slope; /**< Steps per count/tick. */
     int32_t friction_steps;
@@ -57,7 +61,10 @@ struct pid_state {
 #define PID_VELOCITY_LIMIT_Q16 (INT32_C(1) << 26)
 #define PID_ACCELERATION_LIMIT_Q20 (INT32_C(1) << 26)
 
-/** Convert gains for a servo period, 1..10000 us. Main loop only: floating point. Out-of-range results saturate. */
+/**
+ * Convert gains for a servo period, 1..10000 us. Main loop only: floating point. Out-of-range
+ * results saturate.
+ */
 void pid_configure(struct pid_config *cfg, const struct pid_gains *gains, uint32_t period_us);
 
 /** Forget the past: no integral, and an error that has not changed. */
@@ -66,16 +73,16 @@ void pid_reset(struct pid_state *st, int32_t error_q8);
 /**
  * One servo tick. Runs in the tick interrupt; touches no hardware.
  *
- * The integral stands still while the output is clamped and the error would drive it further, and never exceeds the
- * output limit. No intermediate result exceeds 2^61 whatever the arguments.
+ * The integral stands still while the output is clamped and the error would drive it further, and
+ * never exceeds the output limit. No intermediate result exceeds 2^61 whatever the arguments.
  *
  * @param error_q8         Set-point minus position, counts * 256.
  * @param velocity_q16     Set-point velocity, counts per tick.
  * @param acceleration_q20 Set-point acceleration, counts per tick^2.
  * @return                 PWM duty in steps, within +-output_limit_steps.
  */
-int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t error_q8, int32_t velocity_q16,
-                 int32_t acceleration_q20);
+int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t error_q8,
+                 int32_t velocity_q16, int32_t acceleration_q20);
 
 /** Clamp a 64-bit value to +-limit. */
 static inline int64_t pid_clamp(int64_t value, int64_t limit)

@@ -5,7 +5,7 @@
 
 static const double ONE_Q32 = 4294967296.0;
 
-/* A stretch of the continuous motion, in units of ticks and counts, relative to the plan's start. */
+/* A stretch of the continuous motion, in ticks and counts, relative to the plan's start. */
 struct stretch {
     double start_ticks;
     double position;
@@ -19,7 +19,8 @@ static int64_t to_q32(double value)
 }
 
 /* Sample a stretch that ends at `end_ticks` as a segment, if at least one tick falls into it. */
-static void sample(struct profile_plan *plan, int64_t origin_q32, const struct stretch *s, double end_ticks)
+static void sample(struct profile_plan *plan, int64_t origin_q32, const struct stretch *s,
+                   double end_ticks)
 {
     double first = ceil(s->start_ticks);
     double after = ceil(end_ticks);
@@ -30,13 +31,15 @@ static void sample(struct profile_plan *plan, int64_t origin_q32, const struct s
         return;
     seg = &plan->segment[plan->segment_count++];
     seg->ticks = (uint64_t)(after - first);
-    seg->first.position_q32 = origin_q32 + to_q32(s->position + late * (s->velocity + 0.5 * s->acceleration * late));
+    seg->first.position_q32 =
+        origin_q32 + to_q32(s->position + late * (s->velocity + 0.5 * s->acceleration * late));
     seg->first.velocity_q32 = to_q32(s->velocity + s->acceleration * late);
     seg->half_acceleration_q32 = to_q32(0.5 * s->acceleration);
 }
 
-void profile_plan_move(struct profile_plan *plan, const struct profile_point *start, int64_t target_q32,
-                       double speed_per_tick, double acceleration_per_tick2)
+void profile_plan_move(struct profile_plan *plan, const struct profile_point *start,
+                       int64_t target_q32, double speed_per_tick,
+                       double acceleration_per_tick2)
 {
     double a = acceleration_per_tick2;
     double u = (double)start->velocity_q32 / ONE_Q32;
@@ -51,8 +54,8 @@ void profile_plan_move(struct profile_plan *plan, const struct profile_point *st
     if (start->velocity_q32 == 0 && target_q32 == start->position_q32)
         return;
 
-    /* Mirror so that braking at once would stop short of the target: the motion then is change of speed to a
-     * peak, cruise, brake, whatever the sign of u. */
+    /* Mirror so that braking at once would stop short of the target: the motion then is change of
+     * speed to a peak, cruise, brake, whatever the sign of u. */
     u *= side;
     distance *= side;
     peak = fmin(speed_per_tick, sqrt(fmax(0.0, a * distance + 0.5 * u * u)));
@@ -124,7 +127,8 @@ struct profile_point profile_at(const struct profile_plan *plan, uint64_t ticks)
             int64_t n = (int64_t)ticks;
 
             /* The sum of what profile_tick adds, n times. */
-            point.position_q32 = seg->first.position_q32 + n * (seg->first.velocity_q32 + n * seg->half_acceleration_q32);
+            point.position_q32 = seg->first.position_q32 +
+                n * (seg->first.velocity_q32 + n * seg->half_acceleration_q32);
             point.velocity_q32 = seg->first.velocity_q32 + 2 * n * seg->half_acceleration_q32;
             return point;
         }

@@ -2,15 +2,17 @@
 /**
  * Set-point profile: constant-acceleration segments, sampled at servo ticks.
  *
- * A plan is made once, in floating point, outside the interrupt. It describes a motion in continuous time; each
- * segment carries the exact position and velocity of its first tick, so the boundary between two segments may lie
- * anywhere between two ticks and rounding does not pass from one segment to the next. The interrupt then only adds:
+ * A plan is made once, in floating point, outside the interrupt. It describes a motion in
+ * continuous time; each segment carries the exact position and velocity of its first tick, so the
+ * boundary between two segments may lie anywhere between two ticks and rounding does not pass from
+ * one segment to the next. The interrupt then only adds:
  *
  *     position += velocity + a/2;   velocity += a;
  *
- * which is exact for constant acceleration. Positions are counts in 32.32 fixed point (`_q32`, range +-2^31 counts),
- * velocities counts per tick, accelerations counts per tick^2, with the same 32 fraction bits. The smallest speed step
- * is therefore 2^-32 counts per tick: 2.6e-11 mm/s at 45396 counts/mm and 5 kHz.
+ * which is exact for constant acceleration. Positions are counts in 32.32 fixed point (`_q32`,
+ * range +-2^31 counts), velocities counts per tick, accelerations counts per tick^2, with the same
+ * 32 fraction bits. The smallest speed step is therefore 2^-32 counts per tick: 2.6e-11 mm/s at
+ * 45396 counts/mm and 5 kHz.
  *
  * No hardware, no clock: a tick is whatever the caller says it is.
  */
@@ -55,20 +57,23 @@ struct profile_state {
 /**
  * Plan the fastest motion from `start` to rest at `target_q32`, within a speed and an acceleration.
  *
- * Starts from any velocity, also one that is too fast or leads away from the target: then it brakes first, overshoots
- * where it must, and returns. A segment shorter than the distance to the next tick is left out (its effect is in the
- * next segment's first set-point). Main loop only: uses floating point, a square root and divisions.
+ * Starts from any velocity, also one that is too fast or leads away from the target: then it brakes
+ * first, overshoots where it must, and returns. A segment shorter than the distance to the next
+ * tick is left out (its effect is in the next segment's first set-point). Main loop only: uses
+ * floating point, a square root and divisions.
  *
  * @param start                  Set-point at the plan's tick 0.
  * @param target_q32             Where to stop; the distance must be below 2^31 counts.
  * @param speed_per_tick         Largest cruise speed, counts per tick, above 0.
  * @param acceleration_per_tick2 Acceleration and deceleration, counts per tick^2, above 0.
  */
-void profile_plan_move(struct profile_plan *plan, const struct profile_point *start, int64_t target_q32,
-                       double speed_per_tick, double acceleration_per_tick2);
+void profile_plan_move(struct profile_plan *plan, const struct profile_point *start,
+                       int64_t target_q32, double speed_per_tick,
+                       double acceleration_per_tick2);
 
 /**
- * The first whole count at which a motion can be at rest without exceeding an acceleration, in the direction of motion.
+ * The first whole count at which a motion can be at rest without exceeding an acceleration, in the
+ * direction of motion.
  *
  * @return Position in counts, 32.32; the nearest whole count when `start` is at rest.
  */
@@ -86,7 +91,10 @@ void profile_rest(struct profile_state *st, int64_t position_q32);
 /** Begin a plan: the present tick is its tick 0. Runs in the tick interrupt. */
 void profile_begin(struct profile_state *st, const struct profile_plan *plan);
 
-/** One tick on. Runs in the tick interrupt: a few additions, or the load of the next segment. At rest it does nothing. */
+/**
+ * One tick on. Runs in the tick interrupt: a few additions, or the load of the next segment. At
+ * rest it does nothing.
+ */
 void profile_tick(struct profile_state *st);
 
 /** Whether a plan is in progress: false from the first tick at rest on. */
