@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * Between what a host writes and encoder counts. The one place that knows UM, CNTS and the origin.
+ *
+ *     user units (UM per mm, default tenths of a micron)   MOVE MOVREL WHERE HERE
+ *     user mm    (user units / |UM|)                       SETLOW SETUP SCANR SCANV
+ *     counts     (the decoder's)                           everything inside
+ *
+ * user = (counts - origin) / CNTS * UM. UM may be negative: the axis is mirrored then, in user units
+ * and in user mm alike, so that a host which reads positions and sends scan limits sees one frame.
+ */
+#ifndef MODULES_COORDINATES_H
+#define MODULES_COORDINATES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/module.h"
+
+/** Counts are kept within this, so that differences and set-points cannot overflow. */
+#define COORDINATES_COUNTS_MAX (INT32_C(1) << 30)
+
+extern const struct module coordinates_module;
+
+/** CNTS, above 0. */
+double coordinates_counts_per_mm(unsigned axis);
+
+/** UM is negative: a growing user coordinate is a falling count. */
+bool coordinates_mirrored(unsigned axis);
+
+/** The count nearest to a place; halves away from zero; clipped at +-COORDINATES_COUNTS_MAX. */
+int32_t coordinates_user_to_counts(unsigned axis, double user);
+int32_t coordinates_mm_to_counts(unsigned axis, double mm);
+
+/** A distance in user units to whole counts, signed (MOVREL). */
+int32_t coordinates_distance_to_counts(unsigned axis, double user);
+
+double coordinates_counts_to_user(unsigned axis, int32_t counts);
+double coordinates_counts_to_mm(unsigned axis, int32_t counts);
+
+/** HERE: let a count be a place in user units, exactly. */
+void coordinates_name(unsigned axis, int32_t counts, double user);
+
+#endif
