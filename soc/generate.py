@@ -92,8 +92,8 @@ def collect_register(register, name, offset):
                        doc=first_sentence(type(register).__doc__), fields=tuple(fields))
 
 
-def collect(memory_map, components, *, base):
-    """Walk a CSR memory map at byte address ``base``; ``components`` gives each block's object by name.
+def collect(memory_map, docs, *, base):
+    """Walk a CSR memory map at byte address ``base``; ``docs`` gives each block's docstring by name.
 
     Blocks named alike but for a number at the end, with equal registers, become one numbered block.
     """
@@ -102,7 +102,7 @@ def collect(memory_map, components, *, base):
         registers = tuple(collect_register(register, "_".join(map(str, path)), 4 * first)
                           for register, path, (first, _last) in window.resources())
         blocks.append(BlockMap(name=name, address=base + 4 * start, count=1, stride=0,
-                               doc=first_sentence(type(components[name]).__doc__), registers=registers))
+                               doc=first_sentence(docs[name]), registers=registers))
     blocks.sort(key=lambda block: block.address)
 
     merged = []
@@ -140,7 +140,8 @@ def render_json(blocks, constants, interrupts):
 
 def files(design):
     """``{path below the root: text}`` of everything generated from an :class:`soc.top.Abbe`."""
-    blocks = collect(design.register_map, design.peripherals, base=top.REGISTERS)
+    docs = {p.name: (p.registers or p.make).__doc__ for p in top.PERIPHERALS}
+    blocks = collect(design.register_map, docs, base=top.REGISTERS)
     interrupts = dict(sorted((p.interrupt for p in top.PERIPHERALS if p.interrupt), key=lambda i: i[1]))
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ}

@@ -8,13 +8,18 @@ from amaranth import Module
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 
+from rtl.compare import ComparePeripheral
+from rtl.divider import DividerPeripheral
 from rtl.identity import IdentityPeripheral
 from rtl.inputs import InputsPeripheral
 from rtl.interlock import Interlock
+from rtl.line import LinePeripheral
 from rtl.pwm import PwmPeripheral
-from rtl.quadrature import QuadraturePeripheral
+from rtl.quadrature import QuadraturePeripheral, StepStream
 from rtl.registers import BUS_WIDTH, csr
+from rtl.router import RouterPeripheral
 from rtl.serial import SerialPeripheral
+from rtl.snapshot import SnapshotPeripheral
 from rtl.timer import TimerPeripheral
 from soc.bus import BusFaultPeripheral, BusTimeout, RegisterBridge
 from soc.cpu import BUS, Cpu
@@ -40,22 +45,36 @@ REGISTERS_ADDRESS_BITS = 12
 
 @dataclass(frozen=True)
 class Peripheral:
-    """One line of :data:`PERIPHERALS`."""
+    """One line of :data:`PERIPHERALS`: a block of registers.
+
+    ``part`` names the piece of gateware behind it, which ``make`` makes; blocks of the same part share one.
+    ``bus`` is its bus for these registers, ``registers`` the class that describes them (default: the part's).
+    ``interrupt`` is (name, line).
+    """
     name: str
     address: int
     make: Callable
     interrupt: tuple = None
-    """(name, line)"""
+    part: str = None
+    bus: str = "bus"
+    registers: type = None
 
 
 PERIPHERALS = (
     Peripheral("identity", 0xffff_f000, IdentityPeripheral),
-    Peripheral("bus", 0xffff_f040, lambda: BusFaultPeripheral(BUS), interrupt=("bus", 4)),
+    Peripheral("bus", 0xffff_f040, BusFaultPeripheral, interrupt=("bus", 4)),
     Peripheral("inputs", 0xffff_f080, InputsPeripheral),
     Peripheral("serial", 0xffff_f0c0, SerialPeripheral, interrupt=("serial", 1)),
     Peripheral("timer", 0xffff_f100, TimerPeripheral, interrupt=("timer", 2)),
-    # Within reach of one load or store off x0, for the servo loop.
+    # From here on within reach of one load or store off x0.
+    Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
+    Peripheral("compare", 0xffff_f900, LinePeripheral, interrupt=("line", 3),
+               part="line", bus="compare_bus", registers=ComparePeripheral),
+    Peripheral("divider", 0xffff_f940, LinePeripheral, part="line", bus="divider_bus",
+               registers=DividerPeripheral),
+    Peripheral("router", 0xffff_f980, LinePeripheral, part="line", bus="router_bus",
+               registers=RouterPeripheral),
     *(Peripheral(f"quadrature{n}", 0xffff_fa00 + 0x10 * n, QuadraturePeripheral) for n in range(AXES)),
 )
 
@@ -85,30 +104,36 @@ class Abbe(wiring.Component):
         Motor drive; ``dir`` 1 = toward +.
     motor_enable : Out(1)
         Power stages on.
+    out0, sync_out, encoder_out : Out(1)
+        TTL outputs, see :mod:`rtl.router`.
     cpu_asleep : Out(1)
         Simulation only.
     """
 
     def __init__(self, *, build_id=0):
-        self._make = {"identity": lambda: IdentityPeripheral(
-            clock_hz=CLOCK_HZ, fast_clock_hz=FAST_CLOCK_HZ, build_id=build_id)}
-        self.peripherals = {p.name: self._make.get(p.name, p.make)() for p in PERIPHERALS}
+        arguments = {"identity": {"clock_hz": CLOCK_HZ, "fast_clock_hz": FAST_CLOCK_HZ, "build_id": build_id},
+                     "bus": {"signature": BUS}}
+        self._parts = {}
         self._decoder = csr.Decoder(addr_width=REGISTERS_ADDRESS_BITS - 2, data_width=BUS_WIDTH)
         for p in PERIPHERALS:
-            self._decoder.add(self.peripherals[p.name].bus, name=p.name, addr=(p.address - REGISTERS) // 4)
+            name = p.part or p.name
+            if name not in self._parts:
+                self._parts[name] = p.make(**arguments.get(name, {}))
+            self._decoder.add(getattr(self._parts[name], p.bus), name=p.name, addr=(p.address - REGISTERS) // 4)
         self.register_map = self._decoder.bus.memory_map
         super().__init__({
             "enc_a": In(AXES), "enc_b": In(AXES), "enc_z": In(AXES),
             "limit_lower": In(AXES), "limit_upper": In(AXES), "estop": In(1), "in0": In(1), "in1": In(1),
             "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
             "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
+            "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
             "cpu_asleep": Out(1),
         })
 
     def elaborate(self, platform):
         m = Module()
-        for name, peripheral in self.peripherals.items():
-            m.submodules[name] = peripheral
+        for name, part in self._parts.items():
+            m.submodules[name] = part
         self._connect_processor(m)
         self._connect_blocks(m)
         return m
@@ -130,24 +155,31 @@ class Abbe(wiring.Component):
             connect(m, timeout.target, decoder.bus)
         for p in PERIPHERALS:
             if p.interrupt:
-                m.d.comb += cpu.interrupts[p.interrupt[1]].eq(self.peripherals[p.name].interrupt)
-        fault = self.peripherals["bus"]
+                m.d.comb += cpu.interrupts[p.interrupt[1]].eq(self._parts[p.part or p.name].interrupt)
+        fault = self._parts["bus"]
         for name in "cyc", "stb", "we", "err", "adr":
             m.d.comb += getattr(fault, name).eq(getattr(cpu.dbus, name))
         m.d.comb += self.cpu_asleep.eq(cpu.asleep)
 
     def _connect_blocks(self, m):
-        block = self.peripherals
+        parts = self._parts
+        inputs, serial, pwm = parts["inputs"], parts["serial"], parts["pwm"]
+        snapshot, line = parts["snapshot"], parts["line"]
         m.submodules.interlock = interlock = Interlock()
-        pwm, inputs, serial = block["pwm"], block["inputs"], block["serial"]
-        m.d.comb += [
-            interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
-            self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),
-            serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx),
-        ]
         for name in "limit_lower", "limit_upper", "estop", "in0", "in1":
             m.d.comb += getattr(inputs, name).eq(getattr(self, name))
+        m.d.comb += [
+            serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx),
+            interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
+            self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),
+            snapshot.tick.eq(pwm.tick_stb), pwm.latched_stb.eq(snapshot.tick_done),
+            self.out0.eq(line.out0), self.sync_out.eq(line.sync_out), self.encoder_out.eq(line.encoder_out),
+        ]
         for n in range(AXES):
-            encoder = block[f"quadrature{n}"]
-            m.d.comb += [encoder.a.eq(self.enc_a[n]), encoder.b.eq(self.enc_b[n]),
-                         encoder.z.eq(self.enc_z[n])]
+            encoder = parts[f"quadrature{n}"]
+            m.d.comb += [
+                encoder.a.eq(self.enc_a[n]), encoder.b.eq(self.enc_b[n]), encoder.z.eq(self.enc_z[n]),
+                encoder.sample.eq(snapshot.sample), snapshot.positions[n].eq(encoder.steps.count),
+            ]
+            for name in StepStream().members:
+                m.d.comb += getattr(getattr(line, f"step{n}"), name).eq(getattr(encoder.steps, name))
