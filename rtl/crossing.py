@@ -71,16 +71,16 @@ class StrobeCrossing(wiring.Component):
     def __init__(self, *, source, destination):
         _check_domains(source, destination)
         self._source, self._destination = source, destination
+        self._kept = Signal()               # source: one more waits
+        self._seen = Signal()               # destination: the toggle as of the last strobe
         super().__init__({"i": In(1), "ready": Out(1), "sent": Out(1), "o": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
         there, back = self._destination, self._source
 
-        request = Signal(name="cross_toggle")       # source: flips for each strobe sent
-        kept = Signal()                             # source: one more waits
-        acknowledged = Signal()                     # source: the answer, synchronised
-        idle = Signal()
+        request = Signal(name="cross_toggle")       # flips for each strobe sent
+        acknowledged, idle, kept = Signal(), Signal(), self._kept
         m.d.comb += [
             idle.eq(request == acknowledged),
             self.sent.eq(idle & (self.i | kept)),
@@ -92,7 +92,7 @@ class StrobeCrossing(wiring.Component):
             kept.eq((idle & kept & self.i) | (~idle & (kept | self.i))),
         ]
 
-        arrived, seen = Signal(), Signal()
+        arrived, seen = Signal(), self._seen
         m.submodules.forward = FFSynchronizer(request, arrived, o_domain=there)
         m.d[there] += [seen.eq(arrived), self.o.eq(arrived ^ seen)]
 
@@ -223,6 +223,7 @@ class Latch(wiring.Component):
         self._crossing = StrobeCrossing(source=reader, destination=source)
         self._hold = Hold(shape, domain=source)
         self._reader = reader
+        self._was_busy = Signal()
         super().__init__({
             "i": In(shape), "capture": Out(1),
             "request": In(1), "busy": Out(1), "done": Out(1), "o": Out(shape),
@@ -232,12 +233,11 @@ class Latch(wiring.Component):
         m = Module()
         m.submodules.crossing = crossing = self._crossing
         m.submodules.hold = hold = self._hold
-        was_busy = Signal()
         m.d.comb += [
             crossing.i.eq(self.request), self.busy.eq(~crossing.ready),
             self.capture.eq(crossing.o), hold.take.eq(crossing.o),
             hold.i.eq(self.i), self.o.eq(hold.o),
-            self.done.eq(was_busy & ~self.busy),
+            self.done.eq(self._was_busy & ~self.busy),
         ]
-        m.d[self._reader] += was_busy.eq(self.busy)
+        m.d[self._reader] += self._was_busy.eq(self.busy)
         return m

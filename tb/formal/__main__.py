@@ -7,7 +7,7 @@ import sys
 
 from tb.formal.proof import Proof, run
 
-FILES = ["quadrature"]
+FILES = ["crossing", "quadrature", "snapshot"]
 """Files of this folder that hold proofs, by the block they are about."""
 
 

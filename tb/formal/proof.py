@@ -33,7 +33,7 @@ import time
 import types
 from pathlib import Path
 
-from amaranth import ClockDomain, DomainRenamer, EnableInserter, Module, Mux, ResetSignal, Signal
+from amaranth import ClockDomain, DomainRenamer, EnableInserter, Fragment, Module, ResetSignal, Signal
 from amaranth.back import rtlil
 from amaranth.hdl import Assert, Assume, Cover
 from amaranth.hdl._ast import AnyConst, AnySeq
@@ -44,7 +44,14 @@ __all__ = ["AnyConst", "AnySeq", "Assert", "Assume", "Cover", "Proof", "one_cloc
 
 
 class AnyDelayPlatform:
-    """Gives every synchroniser bit, at each clock, the choice of resolving now or one clock late."""
+    """Gives every synchroniser bit, at each clock, the choice of resolving now or one clock late.
+
+    ``synchronisers`` lists, in the order met, the flip-flops of each from its input on: what induction needs to
+    know of the inside.
+    """
+
+    def __init__(self):
+        self.synchronisers = []
 
     def get_ff_sync(self, ff):
         m = Module()
@@ -54,6 +61,7 @@ class AnyDelayPlatform:
         first = (ff.i & ~late) | (previous & late)
         m.d[ff._o_domain] += [previous.eq(ff.i), stages[0].eq(first)]
         m.d[ff._o_domain] += [o.eq(i) for i, o in zip(stages, stages[1:])]
+        self.synchronisers.append([ff.i, previous, *stages])
         return m
 
 
@@ -65,9 +73,12 @@ def one_clock(component, domain):
 def two_clocks(component, **ticks):
     """The component with each domain clocked in those steps where its tick (a Signal) is 1.
 
-    With free ticks the solver tries every interleaving of the clocks: any ratio, any drift, both at once.
+    With free ticks the solver tries every interleaving of the clocks: any ratio, any drift, both at once.  Every
+    synchroniser may resolve late.  Returns it elaborated, with :attr:`AnyDelayPlatform.synchronisers`.
     """
-    return DomainRenamer({domain: "formal" for domain in ticks})(EnableInserter(ticks)(component))
+    platform = AnyDelayPlatform()
+    clocked = DomainRenamer({domain: "formal" for domain in ticks})(EnableInserter(ticks)(component))
+    return Fragment.get(clocked, platform), platform.synchronisers
 
 
 class Proof:
@@ -80,11 +91,17 @@ class Proof:
     bug_depth = None        # steps within which bugs are found; default: depth
     widths = ""             # of what is proven, for the report
     bugs = {}               # name: (text in the block's file, text instead)
-    late_synchronisers = False    # True: AnyDelayPlatform
     fast = True             # part of ``make test``
+
+    def __init__(self):
+        self._with_lemmas = True
 
     def harness(self, m, block):
         raise NotImplementedError
+
+    def lemmas(self, *conditions):
+        """Assertions about the inside that induction needs.  Left out when a bug is sought: the claim finds it."""
+        return [Assert(condition) for condition in conditions if self._with_lemmas]
 
     @classmethod
     def name(cls):
@@ -92,12 +109,11 @@ class Proof:
 
     def rtlil(self, bug=None):
         """RTLIL of the harness around the block, or around the block with a bug."""
-        m = Module()
+        m, self._with_lemmas = Module(), bug is None
         m.domains.formal = clock = ClockDomain("formal")
         m.d.comb += Assume(~ResetSignal("formal"))
         self.harness(m, _load(self.block, self.bugs[bug] if bug else None))
-        platform = AnyDelayPlatform() if self.late_synchronisers else None
-        return rtlil.convert(m, name="top", ports=(clock.clk, clock.rst), platform=platform, emit_src=False)
+        return rtlil.convert(m, name="top", ports=(clock.clk, clock.rst), emit_src=False)
 
 
 def _load(name, change):

@@ -102,10 +102,9 @@ class CountsEveryEdge(Proof):
         ]
         # What induction needs to know of the inside: the filters' levels, and what they still wait for.
         for (level, run), inside in zip(believes, dut._filters):
-            m.d.comb += [
-                Assert(inside.level == level),
-                Assert((start == 0) | ((run <= samples) & (inside._missing == (samples - run)[:4]))),
-            ]
+            m.d.comb += self.lemmas(
+                inside.level == level,
+                (start == 0) | ((run <= samples) & (inside._missing == (samples - run)[:4])))
         m.d.comb += [
             Cover((count == 3) & invert), Cover((count == -2) & (errors == 1)), Cover((index_count == 2) & ~z),
         ]
