@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -33,8 +34,11 @@ class Divide:
 
     @classmethod
     def from_decimal(cls, text: str, phase: int = ONE - 1) -> Divide:
-        """N as a person writes it (``24``, ``24.4``), rounded to the nearest 2^-32."""
-        whole, fraction = divmod(round(Fraction(text) * ONE), ONE)
+        """N as a person writes it (``24``, ``24.4``), rounded down to 2^-32 as the firmware does.
+
+        Rounding down keeps every ceil(k*N) that of the decimal N; a hair more would not.
+        """
+        whole, fraction = divmod(math.floor(Fraction(text) * ONE), ONE)
         return cls(whole, fraction, phase)
 
     def value(self) -> float:

@@ -71,8 +71,11 @@ def pixel_rate_hz(figures: Figures) -> float | None:
     return round(float(periods * 1e12 / time_ps), 3) if time_ps else None
 
 
-def as_text(figures: Figures) -> str:
-    """The report for a person: verdict, findings, and the figures beside the original's."""
+def as_text(figures: Figures, more_rows=()) -> str:
+    """The report for a person: verdict, findings, and the figures beside the original's.
+
+    ``more_rows`` are rows as :func:`measured_rows` makes them, of figures that pins alone do not show.
+    """
     result = as_dict(figures)
     verdict = "exact" if not result["findings"] else f"{len(figures.findings)} findings"
     text = [
@@ -84,7 +87,7 @@ def as_text(figures: Figures) -> str:
     if len(figures.findings) > 40:
         text.append(f"  ... and {len(figures.findings) - 40} more; the JSON has them")
     text += [""] if figures.findings else []
-    text += original.table(measured_rows(figures, result))
+    text += original.table(measured_rows(figures, result) + list(more_rows))
     if result["phase_bins"]:
         bins = " ".join(f"{share:.1f}" for share in result["phase_bins"])
         judged = "spread" if result["phase_bins_spread"] else "NOT spread: the jitter is not fully exercised"

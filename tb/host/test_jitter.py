@@ -8,6 +8,7 @@ import json
 import subprocess
 import sys
 from fractions import Fraction
+from math import ceil, floor
 from pathlib import Path
 
 import pytest
@@ -151,18 +152,17 @@ def test_dithering_faster_than_the_latency_with_the_least_latency_given(tmp_path
     assert figures["start_counts"] == BEFORE
 
 
-@pytest.mark.parametrize("n", ["24.4", "1", "1.5", "8", "454", "2.000001"])
+@pytest.mark.parametrize("n", ["24.4", "24.6", "1", "1.5", "8", "454", "2.000001"])
 def test_whole_and_fractional_n(tmp_path, n):
-    exact = Fraction(round(Fraction(n) * 2**32), 2**32)
+    exact = Fraction(floor(Fraction(n) * 2**32), 2**32)
     scope = line(n=exact, pixels=100)
     figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", n, "--pixels", 100)
-    ceiling = -(-100 * exact.numerator // exact.denominator)
-    assert figures["end_counts"] == BEFORE + ceiling
+    assert figures["end_counts"] == BEFORE + ceil(100 * Fraction(n))
 
 
 def test_another_n_is_not_exact(tmp_path):
     """The fraction matters: 24.4 is not taken for 24.5, though the first pulses agree."""
-    exact = Fraction(round(Fraction("24.4") * 2**32), 2**32)
+    exact = Fraction(floor(Fraction("24.4") * 2**32), 2**32)
     path = line(n=exact).write_vcd(tmp_path / "pins.vcd")
     assert analyse(path, "--n", "24.5", "--pixels", PIXELS, expect=1)["missed"] > 0
     raw = analyse(path, "--n", "24", "--n-fraction", hex(int(exact % 1 * 2**32)), "--pixels", PIXELS)

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""``python -m tb.demo``: exit status 0 when the pulse train is exact, 1 when not, 2 when it could not run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from .scenario import Scenario
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def parser() -> argparse.ArgumentParser:
+    default = Scenario()
+    top = argparse.ArgumentParser(prog="python -m tb.demo", description="Scan one line on the simulated controller "
+                                  "and measure its pins.", epilog=__doc__.split(": ", 1)[1])
+    top.add_argument("--speed", default=default.speed, help=f"line speed, mm/s (default {default.speed})")
+    top.add_argument("--n", default=default.n, help=f"counts per pixel, as 24 or 24.4 (default {default.n})")
+    top.add_argument("--start", default=default.start, help="start of the line, mm (default 0.0)")
+    top.add_argument("--stop", default=default.stop, help="end of the line, mm (default 1.0)")
+    top.add_argument("--negative", action="store_true", help="exchange start and stop: scan in the negative direction")
+    top.add_argument("--axis", default=default.axis, choices=("x", "y"), help="the fast axis (default x)")
+    top.add_argument("--mirrored", action="store_true", help="mirror the axis first (UM X=-10000 Y=10000)")
+    top.add_argument("--flood", action="store_true", help="flood the serial line with W X Y during the scan")
+    top.add_argument("--half-speed", action="store_true", help="a motor that reaches half its free speed")
+    top.add_argument("--plant", action="append", default=[], metavar="[AXIS.]NAME=VALUE",
+                     help="change a parameter of the board model (tb/board/plant.toml); may be repeated")
+    top.add_argument("--cut-pwm", action="store_true", help="cut the PWM wire half-way: the stage must stop")
+    top.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="directory (default build/demo)")
+    return top
+
+
+def scenario_of(options) -> Scenario:
+    """Raises :exc:`ValueError` for what makes no sense."""
+    start, stop = (options.stop, options.start) if options.negative else (options.start, options.stop)
+    plant = tuple(options.plant) + (("speed_scale=0.5",) if options.half_speed else ())
+    return Scenario(n=options.n, speed=options.speed, axis=options.axis, start=start, stop=stop,
+                    mirrored=options.mirrored, flood=options.flood, cut_pwm=options.cut_pwm, plant=plant)
+
+
+def run(scenario: Scenario, directory: Path, make_simulator=None) -> dict:
+    """Run a scenario, leave its files in ``directory`` and return the report; ``failures`` is empty when exact.
+
+    ``make_simulator(plant_overrides)`` stands in for the simulated controller in tests of the demo itself.
+    """
+    from .session import Session
+    from .verdict import judge
+
+    directory.mkdir(parents=True, exist_ok=True)
+    if make_simulator is None:
+        from .controller import power_up as make_simulator
+    with make_simulator(scenario.plant) as sim:
+        outcome = Session(sim, scenario, directory / "pins.vcd").run()
+    return judge(scenario, outcome, directory)
+
+
+def main(argv=None, make_simulator=None) -> int:
+    top = parser()
+    options = top.parse_args(argv)
+    try:
+        scenario = scenario_of(options)
+    except ValueError as error:
+        top.error(str(error))
+    print(f"Abbe: {scenario.title()}: {scenario.pixels()} pixels expected")
+    report = run(scenario, options.out, make_simulator)
+    print()
+    print((options.out / "report.txt").read_text().split("\n", 2)[2])
+    shown = options.out.relative_to(Path.cwd()) if options.out.is_relative_to(Path.cwd()) else options.out
+    print(f"{shown}: report.json report.txt scan.png pins.vcd")
+    return 1 if report["failures"] else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
