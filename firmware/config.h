@@ -18,6 +18,14 @@
 #error "AXIS_COUNT must be 1 to 4"
 #endif
 
+/** Printed by BUILD X: version of the boot loader, revision of the board. */
+#ifndef BOOT_LOADER_VERSION
+#define BOOT_LOADER_VERSION "1"
+#endif
+#ifndef HARDWARE_REVISION
+#define HARDWARE_REVISION "A"
+#endif
+
 /** Our own version, from the repository (`git describe`), as text. */
 #ifndef ABBE_VERSION
 #define ABBE_VERSION "0.0.0"

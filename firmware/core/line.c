@@ -160,7 +160,7 @@ static bool binary_step(struct line *line, enum line_event *event)
             return false;
         uint8_t second = line->input[1];
 
-        drop(line, 2);
+        drop(line, second == PREFIX ? 1 : 2);
         *event = control_byte(line, second);
     } else if (!may_be_frame(line)) {
         drop(line, 1);
