@@ -94,11 +94,11 @@ def deviation_counts(scenario: Scenario, outcome: Outcome, figures: Figures):
     Where that line lies in time is free (least squares): pixels are tied to the position, so a constant lag
     of the stage behind its set-point moves nothing. Returns times in ps and counts, or None without a line.
     """
-    lines = [line for line in figures.lines if line.reference_ps is not None and len(line.edge_ps)]
+    lines = [line for line in figures.lines if line.reference_ps is not None]
     if not lines or outcome.motion is None:
         return None
     times, position, _ = outcome.motion
-    end_ps = outcome.cut_ps or lines[0].edge_ps[-1]
+    end_ps = outcome.cut_ps or lines[0].end_ps
     inside = (times >= lines[0].reference_ps) & (times <= end_ps)
     if inside.sum() < 2:
         return None
