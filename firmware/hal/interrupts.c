@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Target only. CSRs 0xbc0 (mask) and 0xfc0 (pending) are VexRiscv's own. */
+#include "hal/interrupts.h"
+
+#define MSTATUS_MIE 8u
+#define MIE_MEIE 0x800u
+
+void interrupts_enable(uint32_t lines)
+{
+    __asm__ volatile("csrw 0xbc0, %0" : : "r"(lines) : "memory");
+    __asm__ volatile("csrs mie, %0" : : "r"(MIE_MEIE) : "memory");
+    __asm__ volatile("csrs mstatus, %0" : : "r"(MSTATUS_MIE) : "memory");
+}
+
+uint32_t interrupts_pending(void)
+{
+    uint32_t lines;
+
+    __asm__ volatile("csrr %0, 0xfc0" : "=r"(lines) : : "memory");
+    return lines;
+}
+
+void interrupts_sleep_unless(bool (*busy)(void))
+{
+    /* wfi wakes on an enabled line whatever mstatus says (execute_CsrPlugin_wfiWake in the netlist
+     * looks at mip and mie only), so an interrupt between here and wfi is not slept through. */
+    __asm__ volatile("csrc mstatus, %0" : : "r"(MSTATUS_MIE) : "memory");
+    if (!busy())
+        __asm__ volatile("wfi" : : : "memory");
+    __asm__ volatile("csrs mstatus, %0" : : "r"(MSTATUS_MIE) : "memory");
+}
+
+uint32_t interrupts_cycles(void)
+{
+    uint32_t cycles;
+
+    __asm__ volatile("csrr %0, mcycle" : "=r"(cycles));
+    return cycles;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * Interrupt lines of the processor, and sleep. The target's is interrupts.c; the host build has its
+ * own. Interrupts do not nest.
+ */
+#ifndef HAL_INTERRUPTS_H
+#define HAL_INTERRUPTS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/** Let these lines (bit mask; bits INTERRUPT_... of regs.h) interrupt, and no others. */
+void interrupts_enable(uint32_t lines);
+
+/** Lines that are enabled and request now. For the dispatcher. */
+uint32_t interrupts_pending(void);
+
+/** Sleep until the next interrupt, unless `busy` says that there is something to do. Never misses an
+ *  interrupt that comes between the question and the sleep: `busy` is called with interrupts held,
+ *  and a held interrupt ends the sleep. */
+void interrupts_sleep_unless(bool (*busy)(void));
+
+/** Processor clocks, for measuring; stand still while the processor's clock is stopped. Wraps. */
+uint32_t interrupts_cycles(void);
+
+#endif

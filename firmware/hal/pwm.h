@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/** Motor drive and the servo tick, which is an integer division of the PWM period. */
+#ifndef HAL_PWM_H
+#define HAL_PWM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    PWM_FULL_STEPS = 2500, /* duty of full drive; also the clocks of a period */
+    PWM_PERIOD_US = 50,
+};
+
+/** Set the duty of an axis, -PWM_FULL_STEPS to PWM_FULL_STEPS; taken at the next PWM period. */
+void pwm_set_steps(unsigned axis, int32_t steps);
+
+/** Drive exactly these axes (bit mask); the others brake. */
+void pwm_enable(uint32_t axes);
+
+/** Servo tick every so many PWM periods, 1 to 255. */
+void pwm_set_tick_periods(uint32_t periods);
+
+/** Acknowledge the tick interrupt. True: a tick was missed since the last call. */
+bool pwm_acknowledge_tick(void);
+
+/** The interlock holds all drives off now. */
+bool pwm_inhibited(void);
+
+#endif
