@@ -39,9 +39,8 @@ SAMPLE = numpy.dtype([("time_ps", "i8"), ("position_counts", "f8", 4), ("speed_c
 TIME, PIN, LINES, FINISHED = range(4)  # why a run ended
 
 
-def default_verilog():
-    """The Verilog files of the generated controller."""
-    return sorted((toolchain.BUILD / "soc").glob("*.v"))
+#: The generated controller (``python -m soc.verilog``).
+CONTROLLER = toolchain.BUILD / "soc" / "abbe.v"
 
 
 def declare(library):
@@ -87,16 +86,13 @@ class Simulator(board.Hands):
         As for :mod:`tb.board.plant`.
     baud : float
         Of the host's end of the serial line.
-    verilog : list of path, optional
-        Files that make up the top ``abbe``; the generated controller by default.
+    verilog : path
+        The top ``abbe``, in one file.
     """
 
-    def __init__(self, *, boot=None, firmware=None, plant_overrides=(), baud=115200.0, verilog=None):
+    def __init__(self, *, boot=None, firmware=None, plant_overrides=(), baud=115200.0, verilog=CONTROLLER):
         self._sim = None
-        files = default_verilog() if verilog is None else verilog
-        if not files:
-            raise FileNotFoundError(f"expected Verilog of the controller in {toolchain.BUILD / 'soc'}")
-        self._library = declare(board.declare(ctypes.CDLL(str(build.build(files)))))
+        self._library = declare(board.declare(ctypes.CDLL(str(build.build(verilog)))))
         images = {"boot": boot, "firmware": firmware}
         arguments = [f"+{name}={Path(file).resolve(strict=True)}" for name, file in images.items() if file is not None]
         # Verilator takes the first argument for the program's name.

@@ -24,7 +24,7 @@ def make(tmp_path):
         firmware, boot = tmp_path / f"firmware{len(made)}.hex", tmp_path / "boot.hex"
         firmware.write_text("".join(f"{clocks:08x}\n" for clocks in (*on, 0, 0)))
         boot.write_text(f"{int.from_bytes(GREETING, 'little'):08x}\n0\n0\n0\n")
-        made.append(Simulator(boot=boot, firmware=firmware, verilog=[FIXTURE], **kwargs))
+        made.append(Simulator(boot=boot, firmware=firmware, verilog=FIXTURE, **kwargs))
         return made[-1]
     yield build
     for sim in made:
@@ -305,8 +305,8 @@ def test_the_vcd_holds_the_recorded_changes(make):
 
 def test_wrong_arguments_are_refused(tmp_path):
     with pytest.raises(ValueError, match="pitch"):
-        Simulator(verilog=[FIXTURE], plant_overrides=["x.pitch=1"])
+        Simulator(verilog=FIXTURE, plant_overrides=["x.pitch=1"])
     with pytest.raises(FileNotFoundError):
-        Simulator(verilog=[FIXTURE], firmware=tmp_path / "none.hex")
+        Simulator(verilog=FIXTURE, firmware=tmp_path / "none.hex")
     with pytest.raises(FileNotFoundError):
-        Simulator(verilog=[])
+        Simulator(verilog=tmp_path / "none.v")
