@@ -19,7 +19,7 @@ from .statistics import Figures
 INK, FAINT, GRID = "#1f2933", "#7b8794", "#e4e7eb"
 BLUE, ORANGE, GREEN, RED = "#1f6feb", "#d9730d", "#2f855a", "#c53030"
 FIRST_PIXELS, LAST_PIXELS = 10, 4
-MOTION_MARGIN = 0.35                                         # of the line, shown on either side
+MARGIN, MARGIN_PS = 0.35, 80_000_000_000                     # shown on either side: of the line, and at least
 STYLE = {
     "font.size": 9.5, "axes.edgecolor": FAINT, "axes.labelcolor": INK, "axes.titlesize": 10.5,
     "axes.titleweight": "bold", "axes.titlecolor": INK, "axes.titlelocation": "left",
@@ -49,7 +49,7 @@ def draw(figures: Figures, capture: Capture, channels: tuple[str, str, str, str]
             outer = figure.add_gridspec(3, 1, height_ratios=[sum(heights) + 0.2, 1.35, 1.45], hspace=0.26,
                                         top=0.915, bottom=0.045, **side)
             motion = outer[0].subgridspec(len(heights), 1, height_ratios=heights, hspace=0.3)
-            pins = outer[1].subgridspec(1, 2, width_ratios=[1.9, 1], wspace=0.05)
+            pins = outer[1].subgridspec(1, 2, width_ratios=[1.9, 1], wspace=0.08)
             shares = outer[2].subgridspec(1, 2, width_ratios=[1.9, 1], wspace=0.16)
             _motion([figure.add_subplot(row) for row in motion], figures, capture, channels, line, speed_mm_s,
                     deviation)
@@ -77,7 +77,7 @@ def heading(figure, figures, title):
 
 def _motion(panels, figures, capture, channels, line, speed_mm_s, deviation):
     """The panels over the whole motion, which share their time axis: milliseconds from SYNC."""
-    margin = int((line.end_ps - line.sync_ps) * MOTION_MARGIN)
+    margin = max(int((line.end_ps - line.sync_ps) * MARGIN), MARGIN_PS)
     times = figures.count.times_ps
     start, end = max(times[0], line.sync_ps - margin), min(times[-1], line.end_ps + margin)
     _position(panels[0], figures, line, start, end)

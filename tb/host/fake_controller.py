@@ -8,6 +8,7 @@ It answers commands, moves an ideal stage through a trapezoid and makes SYNC and
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 
 import numpy as np
 
@@ -18,6 +19,7 @@ MS = 10**9
 COUNTS_PER_MM = 45396
 RUN_UP_COUNTS = 3000                                         # more than the ramp takes at the highest speed used
 ACCEL_S = 0.02
+RIPPLE_COUNTS, RIPPLE_HZ = 1.5, 211
 
 
 class FakeController:
@@ -112,7 +114,6 @@ class FakeController:
 
     def _scan(self):
         """Compute the whole motion and every pin change of it."""
-        from fractions import Fraction
         line = self._line
         start = round(line["start"] * COUNTS_PER_MM) * line["mirror"]
         length = abs(line["stop"] - line["start"]) * COUNTS_PER_MM
@@ -123,6 +124,9 @@ class FakeController:
         seconds = np.arange(0, 2 * ACCEL_S + (length + 2 * RUN_UP_COUNTS) / speed, 1e-5)
         end_s = seconds[-1] - ACCEL_S
         velocity = speed * np.clip(np.minimum(seconds / ACCEL_S, (end_s + ACCEL_S - seconds) / ACCEL_S), 0, 1)
+        # The ripple is RIPPLE_COUNTS high in position, and its speed follows from that.
+        turns = 2 * np.pi * RIPPLE_HZ
+        velocity *= 1 + RIPPLE_COUNTS * turns / speed * np.cos(turns * seconds)
         way = np.concatenate([np.linspace(0.37, first + 0.37, 3000),
                               first + 0.37 + direction * np.cumsum(velocity) * 1e-5])
         times = self.time_ps + 20 * MS + np.arange(len(way)) * 10_000_000

@@ -11,7 +11,7 @@ import pytest
 
 from tb.demo.__main__ import main
 from tb.demo.scenario import Scenario
-from tb.host.fake_controller import FakeController
+from tb.host.fake_controller import RIPPLE_COUNTS, FakeController
 from tb.host.scope import CLOCK_PS
 
 LINE = ("--stop", "0.2", "--speed", "5.28")
@@ -49,7 +49,9 @@ def test_exact_line(tmp_path, capsys):
     assert (report["pixels"], report["missed"], report["extra"], report["sync_edges"]) == (PIXELS, 0, 0, 1)
     assert (report["start_counts"], report["end_counts"]) == (0, PIXELS * 24)
     assert report["latency_clocks"] == 8 and report["jitter_ns"]["pp"] < 5.002
-    assert 0 < report["following_error_counts"]["rms"] <= report["following_error_counts"]["max"] < 0.5
+    # A sine of known height: the only thing between the stage and a perfect line.
+    assert report["following_error_counts"]["rms"] == pytest.approx(RIPPLE_COUNTS / 2**0.5, rel=0.1)
+    assert report["following_error_counts"]["max"] == pytest.approx(RIPPLE_COUNTS, rel=0.15)
     assert report["simulated_s"] > 0.05 and report["wall_s"] > 0
     assert [command for command in received if command != "/"] == Scenario(speed="5.28", stop="0.2").commands()
     assert {"report.json", "report.txt", "scan.png", "pins.vcd"} <= {path.name for path in tmp_path.iterdir()}
