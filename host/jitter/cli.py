@@ -42,6 +42,7 @@ def parser() -> argparse.ArgumentParser:
     line.add_argument("--n-fraction", type=_word, help="fraction of N in units of 2^-32, beside a whole --n")
     line.add_argument("--phase", type=_word, default=ONE - 1, help="phase in units of 2^-32 (default 0xFFFFFFFF)")
     line.add_argument("--pixels", type=int, help="pixels in every line (default: as many as SYNC spans)")
+    line.add_argument("--serpentine", action="store_true", help="return lines have their pixels on the forward edges")
     line.add_argument("--origin-counts", type=int, default=0, help="count at the start of the file (default 0)")
     line.add_argument("--counts-per-mm", type=float, default=45396, help="default 45396")
     clock = top.add_argument_group("timing")
@@ -120,6 +121,7 @@ def _settings(top, options) -> Settings:
         divide=divide, pixels=options.pixels, clock_ps=options.clock_ns * 1000,
         latency_ps=(round(options.latency_min_ns * 1000), round(options.latency_max_ns * 1000)),
         counts_per_mm=options.counts_per_mm, origin_counts=options.origin_counts,
+        serpentine=options.serpentine,
     )
 
 

@@ -41,6 +41,13 @@ class Divide:
         whole, fraction = divmod(math.floor(Fraction(text) * ONE), ONE)
         return cls(whole, fraction, phase)
 
+    def returning(self, pixels: int) -> Divide:
+        """The divide of a return line whose pixels fall on the edges of a forward line of so many pixels.
+
+        With length = ceil(pixels*N), length - ceil((pixels - k)*N) = floor(k*N + phi) for phi = -pixels*N modulo 1.
+        """
+        return Divide(self.whole, self.fraction, -(pixels * self.fraction) % ONE)
+
     def value(self) -> float:
         """N, near enough to print."""
         return self.whole + self.fraction / ONE

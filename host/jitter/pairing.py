@@ -95,11 +95,12 @@ def find_lines(count: Count, sync, capture_end_ps: int, window_ps: tuple[int, in
 
 
 def pair(lines: list[Line], count: Count, pixel, divide: Divide, window_ps: tuple[int, int],
-         pixels: int | None) -> np.ndarray:
+         pixels: int | None, serpentine: bool = False) -> np.ndarray:
     """Give the pulses of ``pixel`` to the pixels of ``lines``; return the pulses outside any line.
 
     ``window_ps`` is the least and greatest latency from an edge to its pulse. ``pixels`` is what a line
-    should have; None means as many as the stage completed while SYNC was active.
+    should have; None means as many as the stage completed while SYNC was active. ``serpentine``: lines against
+    the first one's direction have their pixels on the first one's edges.
     """
     rising, falling = pixel.rising_ps(), pixel.falling_ps()
     in_a_line = np.zeros(len(rising), dtype=bool)
@@ -111,7 +112,9 @@ def pair(lines: list[Line], count: Count, pixel, divide: Divide, window_ps: tupl
         if line.reference_ps is None:
             line.extra_ps = rising[mine]
             continue
-        _complete(line, count, divide, window_ps, pixels, next_ps)
+        back = serpentine and line.direction != lines[0].direction
+        own = divide.returning(pixels or lines[0].expected) if back else divide
+        _complete(line, count, own, window_ps, pixels, next_ps)
         _assign(line, rising[mine], window_ps)
         if not line.complete:
             _leave_out_the_unrecorded(line, window_ps, pixels)

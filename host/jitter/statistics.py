@@ -34,6 +34,8 @@ class Settings:
         For distances in the text and the picture.
     origin_counts : int
         The count at the start of the file.
+    serpentine : bool
+        Return lines have their pixels on the edges of the forward ones.
     """
 
     divide: Divide | None = None
@@ -42,6 +44,7 @@ class Settings:
     latency_ps: tuple[int, int] = (0, 1_000_000)
     counts_per_mm: float | None = None
     origin_counts: int = 0
+    serpentine: bool = False
 
 
 @dataclass(frozen=True)
@@ -121,7 +124,7 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     divide, source = settings.divide, "given"
     if divide is None:
         divide, source = _divide_from_data(count, lines, pulses), "median of the counts from pulse to pulse"
-    outside = pair(lines, count, pulses, divide, settings.latency_ps, settings.pixels)
+    outside = pair(lines, count, pulses, divide, settings.latency_ps, settings.pixels, settings.serpentine)
     grid = _find_grid(settings.clock_ps, capture.resolution_ps(), traces[sync], pulses)
     widths = _widths(pulses)
     figures = Figures(settings, divide, source, count, lines, len(pulses.rising_ps()), grid, outside, widths,

@@ -49,8 +49,9 @@ class Scope:
         Counts per pixel; its binary fraction has 32 bits.
     pixels : int
         Pixels per line.
-    lines : list of (reference edge, direction)
-        Edge e is the boundary between counts e-1 and e.
+    lines : list of (reference edge, direction[, phase])
+        Edge e is the boundary between counts e-1 and e. The phase is a fraction of a count below 1 (default: the
+        largest of 32 bits).
     pulses, sync : lists of [rise_ps, fall_ps]
         The outputs, filled by :meth:`run`; tests then change them.
     """
@@ -58,7 +59,7 @@ class Scope:
     edges: list[tuple[int, int]]
     n: Fraction | int
     pixels: int
-    lines: list[tuple[int, int]]
+    lines: list[tuple]
     latency_clocks: int = 8
     clock_phase_ps: int = 1234
     width_ps: int = 50_000
@@ -75,12 +76,12 @@ class Scope:
             position += step
             if state is None:
                 if waiting:
-                    edge, direction = waiting[0]
+                    edge, direction, *phase = waiting[0]
                     if step == direction and position == (edge if direction > 0 else edge - 1):
                         waiting.pop(0)
                         self.sync.append([self._out_ps(time_ps), None])
                         state = {"direction": direction, "progress": 0, "furthest": 0, "made": 0,
-                                 "due": n_scaled + scale - 1}
+                                 "due": n_scaled + (int(phase[0] * scale) if phase else scale - 1)}
                 continue
             state["progress"] += step * state["direction"]
             if state["progress"] <= state["furthest"]:

@@ -196,6 +196,22 @@ def test_several_lines_both_ways(tmp_path):
     assert [one["missed_k"] for one in figures["lines"]] == [[], [21], []]
 
 
+def test_serpentine_return_lines_have_their_pixels_on_the_forward_edges(tmp_path):
+    """At N = 24.4 and 52 pixels the line is 1268.8 counts: the forward line ends on edge 1269, and the last pixel
+    of the return line, 1268.8 counts back from there, is the forward line's reference."""
+    n, pixels = Fraction(int(Fraction("24.4") * 2**32), 2**32), 52
+    there = travel(BEFORE + 1269 + AFTER, MEAN_PS, 11)
+    back = travel(-(1269 + 2 * AFTER), MEAN_PS, 12)
+    scope = Scope(onward(there, back), n, pixels, [(BEFORE, 1), (BEFORE + 1269, -1, -(pixels * n) % 1)]).run()
+    path = scope.write_vcd(tmp_path / "pins.vcd")
+    figures = analyse(path, "--n", "24.4", "--serpentine", expect=0)
+    assert figures["pixels"] == 2 * pixels
+    forward, back = figures["lines"]
+    assert (forward["start_counts"], forward["end_counts"]) == (BEFORE, BEFORE + 1269)
+    assert (back["start_counts"], back["end_counts"]) == (BEFORE + 1268, BEFORE - 1)    # the same two edges
+    assert analyse(path, "--n", "24.4", expect=1)["missed"] > 0
+
+
 def test_missing_sync(tmp_path):
     scope = line()
     scope.sync.clear()
