@@ -22,13 +22,19 @@ def read_vcd(path: Path, wanted: list[str]) -> Capture:
     and reported.
     """
     with open(path, "rb") as file:
-        scale_ps, variables = _header(file, path)
+        try:
+            scale_ps, variables = _header(file, path)
+        except (ValueError, IndexError) as error:
+            raise CaptureError(f"{path}: header not understood: {error}") from None
         selected = {name: _find(variables, name) for name in wanted}
         watched: dict[bytes, list] = {}
         changes = {name: ([], []) for name in wanted}
         for name, (code, bit) in selected.items():
             watched.setdefault(code, []).append((bit, *changes[name]))
-        end, cut_short = _body(file, watched)
+        try:
+            end, cut_short = _body(file, watched)
+        except ValueError as error:
+            raise CaptureError(f"{path}: a line is not understood: {error}") from None
     traces = {
         name: Trace.from_changes([int(t * scale_ps) for t in times] if scale_ps != 1 else times, levels)
         for name, (times, levels) in changes.items()

@@ -21,6 +21,8 @@ PIXELS = 300
 BEFORE, AFTER = 400, 60
 MEAN_PS = 400_000
 LATENCY = 8
+HEADER = ("$timescale 1 ps $end\n" + "".join(f"$var wire 1 {code} {name} $end\n" for code, name in
+          zip("!abc", ("x_a", "x_b", "sync", "encoder"))) + "$enddefinitions $end\n")
 
 
 def line(n=24, pixels=PIXELS, direction=1, seed=1, mean_ps=MEAN_PS, **more):
@@ -294,6 +296,9 @@ def test_empty_file(tmp_path, capsys, name):
     ("hello\n", "not a value change dump"),
     ("$timescale 3 furlongs $end\n$enddefinitions $end\n", "time scale"),
     ("$timescale 1 ps $end\n$var wire 1 ! x_a $end\n$enddefinitions $end\n", "no channel 'x_b'"),
+    ("$timescale 1 ps $end\n$var wire one ! x_a $end\n$enddefinitions $end\n", "header not understood"),
+    (HEADER + "#0\n0!\n#soon\n", "a line is not understood"),
+    (HEADER + "#20\n0!\n#10\n1!\n", "time goes backwards"),
 ])
 def test_files_that_are_no_dump_are_refused(tmp_path, capsys, text, message):
     path = tmp_path / "bad.vcd"
