@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-#include "scan_plan.h"
+#include "modules/scan_plan.h"
 
 #include <math.h>
 
@@ -8,10 +8,11 @@
 /* Longest pulse the firmware chooses by itself. */
 static const double WIDTH_DEFAULT_MAX_US = 10.0;
 
-/* The gateware arms only when this many clocks stay low between two pulses at the axis' maximum speed. */
+/* The gateware arms only when this many clocks stay low between two pulses at the axis' maximum
+ * speed. */
 static const uint32_t WIDTH_LOW_MIN_FAST = 2;
 
-/* Beyond these a line cannot lie within the 32-bit counts, and the integers below would overflow. */
+/* Beyond these no line lies within the 32-bit counts, and the integers below would overflow. */
 static const double LENGTH_MAX_MM = 1e6;
 static const double COUNTS_PER_MM_MAX = 1e9;
 
@@ -62,8 +63,9 @@ static enum scan_plan_status to_integers(const struct scan_settings *settings, d
         if (length_nm == 0)
             return SCAN_PLAN_NO_LENGTH;
 
-        const uint64_t length = length_millionths((uint64_t)(length_nm < 0 ? -length_nm : length_nm),
-                                                  (uint64_t)to_millionths(counts_per_mm));
+        const uint64_t length =
+            length_millionths((uint64_t)(line->falling ? -length_nm : length_nm),
+                              (uint64_t)to_millionths(counts_per_mm));
         if (length == LENGTH_LIMIT)
             return SCAN_PLAN_RANGE;
         line->pixels = (uint32_t)(length / line->pitch_millionths);
@@ -89,7 +91,8 @@ double scan_plan_stop_mm(const struct scan_settings *settings, double counts_per
         return settings->stop_mm;
 
     const double length_mm = settings->pixels * settings->pitch_counts / counts_per_mm;
-    return settings->stop_mm < settings->start_mm ? settings->start_mm - length_mm : settings->start_mm + length_mm;
+    return settings->stop_mm < settings->start_mm ? settings->start_mm - length_mm
+                                                  : settings->start_mm + length_mm;
 }
 
 double scan_plan_slow_mm(double start_mm, double stop_mm, uint32_t lines, uint32_t line)
@@ -105,9 +108,11 @@ static uint32_t saturate_u32(double value)
 /**
  * Choose the pulse width, in fast clocks.
  *
- * @return  0 when the width that was set cannot be made or would leave too little between two pulses.
+ * @return  0 when the width that was set cannot be made or would leave too little between two
+ * pulses.
  */
-static uint32_t choose_width(const struct scan_settings *settings, const struct scan_axis *axis, uint32_t interval_min)
+static uint32_t choose_width(const struct scan_settings *settings, const struct scan_axis *axis,
+                             uint32_t interval_min)
 {
     uint32_t longest = interval_min > WIDTH_LOW_MIN_FAST ? interval_min - WIDTH_LOW_MIN_FAST : 0;
     if (longest > SCAN_PLAN_WIDTH_MAX)
@@ -122,7 +127,7 @@ static uint32_t choose_width(const struct scan_settings *settings, const struct 
 
     const double half_pixel_us =
         settings->pitch_counts / (axis->speed_mm_per_s * axis->counts_per_mm) / 2.0 * 1e6;
-    const double width_us = half_pixel_us < WIDTH_DEFAULT_MAX_US ? half_pixel_us : WIDTH_DEFAULT_MAX_US;
+    const double width_us = fmin(half_pixel_us, WIDTH_DEFAULT_MAX_US);
     const uint32_t width = saturate_u32(width_us * clocks_per_us);
 
     return width < longest ? width : longest;
@@ -133,8 +138,8 @@ static bool fits_count(int64_t value)
     return value >= INT32_MIN && value <= INT32_MAX;
 }
 
-enum scan_plan_status scan_plan_make(const struct scan_settings *settings, const struct scan_axis *axis,
-                                     struct scan_plan *plan)
+enum scan_plan_status scan_plan_make(const struct scan_settings *settings,
+                                     const struct scan_axis *axis, struct scan_plan *plan)
 {
     struct integers line;
     struct scan_plan made;
@@ -145,20 +150,22 @@ enum scan_plan_status scan_plan_make(const struct scan_settings *settings, const
     if (!(axis->speed_mm_per_s > 0.0 && axis->speed_max_mm_per_s > 0.0))
         return SCAN_PLAN_SPEED;
 
-    /* Rounding the pitch down keeps ceil(k * pitch) that of the decimal pitch for every k: a pitch a hair too large
-     * would push each pixel that should fall on a whole count one count on. */
+    /* Rounding the pitch down keeps ceil(k * pitch) that of the decimal pitch for every k: a pitch
+     * a hair too large would push each pixel that should fall on a whole count one count on. */
     made.pixels = line.pixels;
     made.pitch_whole = (uint32_t)(line.pitch_millionths / MILLION);
     made.pitch_fraction = (uint32_t)(((line.pitch_millionths % MILLION) << 32) / MILLION);
 
-    /* Edges of the line: ceil(pixels * pitch). What is left of the last edge is the phase that lets the return line
-     * fall on the same edges, since length - ceil((pixels - k) * pitch) = floor(k * pitch + phase). */
-    const uint64_t length_q32 = made.pixels * (((uint64_t)made.pitch_whole << 32) | made.pitch_fraction);
+    /* Edges of the line: ceil(pixels * pitch). What is left of the last edge is the phase that lets
+     * the return line fall on the same edges, since
+     * length - ceil((pixels - k) * pitch) = floor(k * pitch + phase). */
+    const uint64_t pitch_q32 = ((uint64_t)made.pitch_whole << 32) | made.pitch_fraction;
+    const uint64_t length_q32 = made.pixels * pitch_q32;
     const int64_t length = (int64_t)((length_q32 + UINT32_MAX) >> 32);
     const uint32_t phase_back = (uint32_t)(0u - (uint32_t)length_q32);
 
-    const double run_mm = axis->speed_mm_per_s * (axis->accel_ms / 2.0 + settings->settle_ms) / 1e3 +
-                          settings->overshoot_mm;
+    const double run_ms = axis->accel_ms / 2.0 + settings->settle_ms;
+    const double run_mm = axis->speed_mm_per_s * run_ms / 1e3 + settings->overshoot_mm;
     const double run_counts = ceil(run_mm * axis->counts_per_mm) + SCAN_PLAN_MARGIN_COUNTS;
     if (!(run_counts >= 0.0 && run_counts < 2147483648.0))
         return SCAN_PLAN_RANGE;
@@ -166,7 +173,8 @@ enum scan_plan_status scan_plan_make(const struct scan_settings *settings, const
     const bool reverse = line.falling != axis->mirrored;
     const int64_t step = reverse ? -1 : 1;
     const int64_t start = axis->start_count;
-    const int64_t reference = reverse ? start + 1 : start;   /* the edge crossed when the count becomes `start` */
+    /* The edge that is crossed when the count becomes `start`. */
+    const int64_t reference = reverse ? start + 1 : start;
     const int64_t end = start + step * length;
     const int64_t from = start - step * (int64_t)run_counts;
     const int64_t to = end + step * (int64_t)run_counts;
@@ -178,13 +186,15 @@ enum scan_plan_status scan_plan_make(const struct scan_settings *settings, const
         .end_count = (int32_t)end, .from_count = (int32_t)from, .to_count = (int32_t)to,
     };
     made.back = (struct scan_line){
-        .reference_edge = (int32_t)(reference + step * length), .reverse = !reverse, .phase = phase_back,
-        .end_count = (int32_t)(start - step), .from_count = (int32_t)to, .to_count = (int32_t)from,
+        .reference_edge = (int32_t)(reference + step * length), .reverse = !reverse,
+        .phase = phase_back, .end_count = (int32_t)(start - step),
+        .from_count = (int32_t)to, .to_count = (int32_t)from,
     };
 
     /* With a fraction in the pitch the shortest pixel has its whole part. */
     const double counts_per_s_max = axis->speed_max_mm_per_s * axis->counts_per_mm;
-    made.interval_min_fast = saturate_u32(made.pitch_whole * (double)axis->fast_clock_hz / counts_per_s_max);
+    made.interval_min_fast =
+        saturate_u32(made.pitch_whole * (double)axis->fast_clock_hz / counts_per_s_max);
     made.width_fast = choose_width(settings, axis, made.interval_min_fast);
     if (made.width_fast == 0)
         return SCAN_PLAN_WIDTH;

@@ -2,11 +2,13 @@
 /**
  * The geometry of a scan line: from what the user set to what the gateware counts.
  *
- * Pure arithmetic, no state, no hardware. An *edge* e is the boundary between counts e-1 and e; the compare and the
- * divider work on edges, so that a boundary between pixels is the same place of the stage in both directions.
+ * Pure arithmetic, no state, no hardware. An *edge* e is the boundary between counts e-1 and e; the
+ * compare and the divider work on edges, so that a boundary between pixels is the same place of the
+ * stage in both directions.
  *
- * Whatever decides a number of pixels or an edge is integer arithmetic on millionths (nanometres, millionths of a
- * count): the resolution in which these settings are printed, so that what is read back is what is used.
+ * Whatever decides a number of pixels or an edge is integer arithmetic on millionths (nanometres,
+ * millionths of a count): the resolution in which these settings are printed, so that what is read
+ * back is what is used.
  */
 #ifndef MODULES_SCAN_PLAN_H
 #define MODULES_SCAN_PLAN_H
@@ -17,16 +19,16 @@
 /* Longest pixel pulse the divider can make: its Width register has 24 bits. */
 #define SCAN_PLAN_WIDTH_MAX 0xFFFFFFu
 
-/* Least way, in counts, between the place where the compare is armed and the reference edge: more than the stage
- * moves while it holds still, and the reason why a slow line has a run-up at all. */
+/* Least way, in counts, between the place where the compare is armed and the reference edge: more
+ * than the stage moves while it holds still. A slow line has a run-up because of it. */
 #define SCAN_PLAN_MARGIN_COUNTS 16
 
 /** What a scan is made of, in the user's units. */
 struct scan_settings {
     double start_mm, stop_mm;     /* of the fast axis, user coordinates */
-    uint32_t pixels;              /* 0: as many as fit between start and stop; else counted from start toward stop */
+    uint32_t pixels;              /* from start toward stop; 0: as many as fit between them */
     double pitch_counts;          /* counts per pixel, may have a fraction */
-    double width_us;              /* of a pixel pulse; 0: half a pixel at the line speed, at most 10 us */
+    double width_us;              /* of a pulse; 0: half a pixel at line speed, at most 10 us */
     double settle_ms;             /* at constant speed, before the reference and after the end */
     double overshoot_mm;          /* added to the run-up and to the overrun */
 };
@@ -42,7 +44,10 @@ struct scan_axis {
     uint32_t fast_clock_hz;
 };
 
-/** One active line. The forward line runs from start toward stop, the return line back over the same edges. */
+/**
+ * One active line. The forward line runs from start toward stop, the return line back over the same
+ * edges.
+ */
 struct scan_line {
     int32_t reference_edge;       /* SYNC rises when it is crossed in the direction of the line */
     bool reverse;                 /* the count falls along the line */
@@ -55,9 +60,9 @@ struct scan_line {
 struct scan_plan {
     struct scan_line forward, back;
     uint32_t pixels;
-    uint32_t pitch_whole, pitch_fraction;  /* counts per pixel, fraction in 2^-32, rounded toward zero */
-    uint32_t width_fast;                   /* pixel pulse, fast clocks */
-    uint32_t interval_min_fast;            /* shortest time between two pixels at the axis' maximum speed, fast clocks */
+    uint32_t pitch_whole, pitch_fraction; /* counts per pixel; fraction in 2^-32, rounded down */
+    uint32_t width_fast;                  /* pixel pulse, fast clocks */
+    uint32_t interval_min_fast;           /* between pixels at the maximum speed, fast clocks */
 };
 
 enum scan_plan_status {
@@ -73,14 +78,15 @@ enum scan_plan_status {
 /**
  * Plan the lines of a scan.
  *
- * pixels = floor(counts_per_mm * |stop - start| / pitch), exactly. Pixel k of the forward line falls on the edge
- * ceil(k * pitch) after the reference edge; the return line starts at the last of these edges and its pixels fall on
- * the same ones in reverse order, the last on the forward line's reference edge.
+ * pixels = floor(counts_per_mm * |stop - start| / pitch), exactly. Pixel k of the forward line
+ * falls on the edge ceil(k * pitch) after the reference edge; the return line starts at the last of
+ * these edges and its pixels fall on the same ones in reverse order, the last on the forward line's
+ * reference edge.
  *
  * @param plan  Written only when the answer is SCAN_PLAN_OK.
  */
-enum scan_plan_status scan_plan_make(const struct scan_settings *settings, const struct scan_axis *axis,
-                                     struct scan_plan *plan);
+enum scan_plan_status scan_plan_make(const struct scan_settings *settings,
+                                     const struct scan_axis *axis, struct scan_plan *plan);
 
 /**
  * Pixels that fit between start and stop, or the number that was set; what SCANR F? answers.

@@ -46,7 +46,7 @@ def library():
     out.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run([os.environ.get("CC", "gcc"), "-std=c11", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror",
                     "-ffp-contract=off", "-fsanitize=undefined", "-fno-sanitize-recover=all", "-static-libubsan",
-                    "-shared", "-fPIC", "-o", out, ROOT / "firmware/modules/scan_plan.c", "-lm"], check=True)
+                    "-shared", "-fPIC", "-I", ROOT / "firmware", "-o", out, ROOT / "firmware/modules/scan_plan.c", "-lm"], check=True)
     lib = ctypes.CDLL(str(out))
     lib.scan_plan_pixels.restype = ctypes.c_uint32
     lib.scan_plan_pixels.argtypes = [ctypes.POINTER(Settings), ctypes.c_double]
