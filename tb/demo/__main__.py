@@ -64,7 +64,11 @@ def main(argv=None, make_simulator=None) -> int:
     except ValueError as error:
         top.error(str(error))
     print(f"Abbe: {scenario.title()}: {scenario.pixels()} pixels expected")
-    report = run(scenario, options.out, make_simulator)
+    try:
+        report = run(scenario, options.out, make_simulator)
+    except (RuntimeError, OSError, ValueError) as error:
+        print(f"the demonstration could not run: {error}", file=sys.stderr)
+        return 2
     print()
     print((options.out / "report.txt").read_text().split("\n", 2)[2])
     shown = options.out.relative_to(Path.cwd()) if options.out.is_relative_to(Path.cwd()) else options.out

@@ -175,6 +175,13 @@ def test_senseless_options_are_refused(options, capsys):
     assert "error:" in capsys.readouterr().err
 
 
+def test_a_controller_that_cannot_be_built_is_said(tmp_path, capsys):
+    def broken(plant):
+        raise RuntimeError("make failed with status 2")
+    assert main([*LINE, "--out", str(tmp_path)], broken) == 2
+    assert "could not run: make failed" in capsys.readouterr().err
+
+
 def test_half_speed_plant_is_asked_for(tmp_path):
     scenario = Scenario(speed="2.64", plant=("speed_scale=0.5",))
     assert scenario.maximum_speed_mm_s() < 3.4
