@@ -73,11 +73,10 @@ static bool save(const struct parameter *row, unsigned axis)
 
 void settings_load(void)
 {
-    double factory = 0;
+    double factory;
 
     (void)for_each(set_initial);
-    (void)store->read(KEY_FACTORY, &factory);
-    if (factory == 0)
+    if (!store->read(KEY_FACTORY, &factory) || factory == 0)
         (void)for_each(set_saved);
 }
 
