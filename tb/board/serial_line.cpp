@@ -44,7 +44,8 @@ void SerialLine::happen()
 void SerialLine::send_bit()
 {
     if (frame_bit_ == FRAME_BITS) { /* the frame before has ended */
-        if (waiting_.empty()) {
+        sending_ = !waiting_.empty();
+        if (!sending_) {
             send_ps_ = NEVER;
             return;
         }

@@ -35,8 +35,8 @@ public:
     /** Level at the controller's receive pin. */
     bool level() const { return level_; }
 
-    /** Nothing is being sent or waiting to be. */
-    bool sent() const { return send_ps_ == NEVER; }
+    /** Bytes written whose stop bit has not ended. */
+    size_t unsent() const { return waiting_.size() + sending_; }
 
     /** Bytes received, oldest first; the reader takes them away. */
     struct Byte {
@@ -62,6 +62,7 @@ private:
     int64_t frame_ps_ = 0;
     double frame_bit_ps_ = 0;
     unsigned frame_ = 0, frame_bit_ = 0;
+    bool sending_ = false;
     bool level_ = true;
 
     /* From the controller. */

@@ -288,9 +288,9 @@ void sim_serial_set_baud(struct sim *sim, double baud)
     sim->serial.set_baud(baud);
 }
 
-int sim_serial_sent(const struct sim *sim)
+size_t sim_serial_unsent(const struct sim *sim)
 {
-    return sim->serial.sent();
+    return sim->serial.unsent();
 }
 
 size_t sim_serial_lines(const struct sim *sim)

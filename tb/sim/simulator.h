@@ -92,8 +92,8 @@ void sim_serial_write(struct sim *sim, const uint8_t *bytes, size_t size);
 /** Take up to `size` received bytes, and the times of their start bits; returns how many. */
 size_t sim_serial_read(struct sim *sim, uint8_t *bytes, int64_t *start_ps, size_t size);
 void sim_serial_set_baud(struct sim *sim, double baud);
-/** 1: every byte written has left. */
-int sim_serial_sent(const struct sim *sim);
+/** Bytes written whose stop bit has not ended. */
+size_t sim_serial_unsent(const struct sim *sim);
 size_t sim_serial_lines(const struct sim *sim);
 size_t sim_serial_framing_errors(const struct sim *sim);
 

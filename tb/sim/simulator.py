@@ -56,7 +56,7 @@ def declare(library):
         ("serial_write", None, sim, c.c_char_p, count),
         ("serial_read", count, sim, c.c_void_p, c.c_void_p, count),
         ("serial_set_baud", None, sim, c.c_double),
-        ("serial_sent", c.c_int, sim),
+        ("serial_unsent", count, sim),
         ("serial_lines", count, sim),
         ("serial_framing_errors", count, sim),
         ("set_recording", None, sim, c.c_uint32),
@@ -184,9 +184,9 @@ class Simulator(board.Hands):
         self._library.sim_serial_set_baud(self._sim, baud)
 
     @property
-    def serial_sent(self):
-        """Whether every byte written has left."""
-        return bool(self._library.sim_serial_sent(self._sim))
+    def serial_unsent(self):
+        """How many of the bytes written have not left yet, stop bit included."""
+        return self._library.sim_serial_unsent(self._sim)
 
     @property
     def serial_framing_errors(self):

@@ -130,8 +130,8 @@ def test_bytes_go_out_and_come_back_at_the_programmed_baud(make):
     sent = bytes(range(1, 255))
     begin_ps = sim.time_ps
     sim.serial_write(sent)
-    assert not sim.serial_sent
-    sim.run_until(lambda: sim.serial_sent, timeout_ps=40 * MS)
+    assert sim.serial_unsent == len(sent)
+    sim.run_until(lambda: sim.serial_unsent == 0, timeout_ps=40 * MS)
     sim.run(MS)
     assert sim.serial_read() == bytes(byte + 1 for byte in sent)
     assert sim.serial_framing_errors == 0

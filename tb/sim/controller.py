@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The whole controller, ready to simulate: gateware to Verilog, firmware to memory images.
+
+What is up to date is not built again; the images are for ``$readmemh``, one for each memory of the SoC.
+"""
+
+import contextlib
+import fcntl
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+from tb import toolchain
+from tb.sim.simulator import Simulator
+
+FIRMWARE = toolchain.BUILD / "firmware" / "abbe.elf"
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Files of one controller."""
+    verilog: Path
+    boot: Path
+    firmware: Path
+
+    def power_up(self, **arguments):
+        """A new :class:`tb.sim.simulator.Simulator` of it; arguments for the board and the serial line."""
+        return Simulator(verilog=self.verilog, boot=self.boot, firmware=self.firmware, **arguments)
+
+
+def load_segments(elf):
+    """``(physical address, bytes)`` of every part of a 32-bit little-endian ELF file that is loaded.
+
+    Raises :exc:`ValueError` for any other file. (Executable and Linking Format, TIS 1.2, book I, chapter 2.)
+    """
+    if elf[:6] != b"\x7fELF\x01\x01":
+        raise ValueError("expected a 32-bit little-endian ELF file")
+    (table,), (size, count) = struct.unpack_from("<I", elf, 28), struct.unpack_from("<HH", elf, 42)
+    for n in range(count):
+        kind, offset, _, address, length = struct.unpack_from("<5I", elf, table + n * size)
+        if kind == 1 and length:
+            yield address, elf[offset:offset + length]
+
+
+def hex_words(segments, address, size):
+    """Text for ``$readmemh`` of the memory at ``address``: 32-bit words, up to the last that is loaded."""
+    image, end = bytearray(size), 0
+    for start, data in segments:
+        at = start - address
+        if 0 <= at < size:
+            if at + len(data) > size:
+                raise ValueError(f"{len(data)} bytes at {start:#x} do not fit the {size} bytes at {address:#x}")
+            image[at:at + len(data)] = data
+            end = max(end, at + len(data))
+    return "".join(f"{word:08x}\n" for word, in struct.iter_unpack("<I", image[:(end + 3) // 4 * 4]))
+
+
+def write_images(elf, directory):
+    """``{plusarg: path}`` of the memory images of a firmware file, one for each region of the SoC."""
+    from soc.top import REGIONS
+    segments = list(load_segments(Path(elf).read_bytes()))
+    for address, data in segments:
+        if not any(region.address <= address < region.address + region.size for region in REGIONS):
+            raise ValueError(f"{len(data)} bytes at {address:#x} belong to no memory")
+    images = {}
+    for region in REGIONS:
+        images[region.plusarg] = directory / f"{region.plusarg}.hex"
+        images[region.plusarg].write_text(hex_words(segments, region.address, region.size))
+    return images
+
+
+@contextlib.contextmanager
+def _alone(path):
+    """One process at a time."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def build():
+    """Build what is missing or out of date; returns the :class:`Controller`."""
+    from soc import verilog
+    with _alone(toolchain.BUILD / "sim" / "controller.lock"):
+        design = verilog.write(toolchain.BUILD / "soc")
+        toolchain.run(["make", "--no-print-directory", "firmware"], cwd=toolchain.ROOT)
+        images = write_images(FIRMWARE, FIRMWARE.parent)
+    return Controller(verilog=design, **images)
