@@ -12,7 +12,7 @@ unsigned sample_sets, sample_ticks, sample_faults, sample_urgent, sample_inits;
 uint32_t sample_last_argument;
 uint64_t sample_last_time;
 
-static double fade_ms, colour, step_mm, offset[AXIS_COUNT], gain[AXIS_COUNT], fence_mm[AXIS_COUNT];
+static double fade_ms, colour, flashes, step_mm, offset[AXIS_COUNT], gain[AXIS_COUNT], fence_mm[AXIS_COUNT];
 
 /* --- parameters: most need nothing but their row ------------------------------------------------ */
 
@@ -208,6 +208,8 @@ static const struct parameter parameters[] = {
     {.command = "TINT", .letter = 'R', .decimals = 3, .minimum = 0, .maximum = 1000,
      .value = &step_mm, .adjust = step_adjust, .saved = SAVED_AT_ONCE, .unit = "mm",
      .summary = "Step."},
+    {.command = "LAMP", .letter = 'F', .type = PARAMETER_INTEGER, .minimum = 0, .maximum = 9,
+     .value = &flashes, .summary = "Flashes."},
     {.command = "FENCE", .letter = PARAMETER_AXES, .decimals = 0, .minimum = -1e3, .maximum = 1e3,
      .value = fence_mm, .initial = 100, .sign = fence_sign, .unit = "mm", .summary = "Fence."},
     {.command = "OFFSET", .letter = PARAMETER_AXES, .decimals = 1, .minimum = -1e9, .maximum = 1e9,

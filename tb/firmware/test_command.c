@@ -172,6 +172,21 @@ TEST(hands_letters_that_are_no_rows_to_the_handler)
     EXPECT("G", ":N-3");
 }
 
+TEST(shares_a_line_between_rows_and_handler)
+{
+    start();
+    EXPECT("LAMP F=5 S", ":A ");
+    EXPECT("LAMP F? S", ":A F=5");
+    EXPECT("LAMP P F?", ":A F=5");
+    EXPECT("LAMP", "N");
+    EXPECT("LAMP F=10 S", ":N-4");
+    EXPECT("LAMP F=10 Q", ":N-2");
+    EXPECT("LAMP Q F=10", ":N-2");
+    EXPECT("LAMP F=7 S=1", ":N-4");
+    EXPECT("LAMP", "N");
+    EXPECT("LAMP F?", ":A F=5");
+}
+
 TEST(drops_the_text_of_a_handler_that_fails)
 {
     start();
@@ -349,6 +364,7 @@ TEST_MAIN(RUN(acknowledges_with_a_blank_and_errors_without);
           RUN(prints_as_many_decimals_as_the_value_needs);
           RUN(refuses_to_set_what_is_read_only); RUN(passes_plus_and_minus_to_the_row);
           RUN(hands_letters_that_are_no_rows_to_the_handler);
+          RUN(shares_a_line_between_rows_and_handler);
           RUN(drops_the_text_of_a_handler_that_fails); RUN(can_stay_silent);
           RUN(answers_n6_rather_than_overrun_a_reply);
           RUN(ends_inner_lines_in_cr_and_the_last_in_crlf);
