@@ -15,9 +15,11 @@ void interrupts_enable(uint32_t lines);
 /** Lines that are enabled and request now. For the dispatcher. */
 uint32_t interrupts_pending(void);
 
-/** Sleep until the next interrupt, unless `busy` says that there is something to do. Never misses an
- *  interrupt that comes between the question and the sleep: `busy` is called with interrupts held,
- *  and a held interrupt ends the sleep. */
+/**
+ * Sleep until the next interrupt, unless `busy` says that there is something to do. An interrupt
+ * between the question and the sleep is not missed: `busy` is called with interrupts held, and a
+ * held interrupt ends the sleep.
+ */
 void interrupts_sleep_unless(bool (*busy)(void));
 
 /** Processor clocks, for measuring; stand still while the processor's clock is stopped. Wraps. */

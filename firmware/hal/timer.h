@@ -12,7 +12,7 @@ uint32_t timer_now_cycles(void);
 /** The whole count. Main loop only: it latches. */
 uint64_t timer_time_cycles(void);
 
-/** Interrupt once, when the low half of the count reaches `at_cycles`. Replaces an alarm that waits. */
+/** Interrupt once, when the low half of the count reaches `at_cycles`; replaces a waiting alarm. */
 void timer_alarm_at(uint32_t at_cycles);
 
 void timer_cancel(void);

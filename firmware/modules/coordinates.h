@@ -6,8 +6,8 @@
  *     user mm    (user units / |UM|)                       SETLOW SETUP SCANR SCANV
  *     counts     (the decoder's)                           everything inside
  *
- * user = (counts - origin) / CNTS * UM. UM may be negative: the axis is mirrored then, in user units
- * and in user mm alike, so that a host which reads positions and sends scan limits sees one frame.
+ * user = (counts - origin) / CNTS * UM. UM may be negative: the axis is mirrored then, in user
+ * units and in user mm alike: a host that reads positions and sends limits sees one frame.
  */
 #ifndef MODULES_COORDINATES_H
 #define MODULES_COORDINATES_H

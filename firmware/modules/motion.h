@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/module.h"
 #include "modules/axis.h"
 
 /** Why an owner's motion ended before its target. */
@@ -28,6 +29,7 @@ enum motion_end {
 struct motion_owner {
     const char *name;
     bool busy;   /* its motion is "commanded": STATUS says B, bit 0 of RDSTAT is set */
+    bool holds;  /* busy as long as it has an axis claimed, also between its motions */
     char letter; /* what RS axis+ prints while it moves the axis */
 
     /**
@@ -66,7 +68,7 @@ bool motion_claim(unsigned axes, const struct motion_owner *owner);
 /** Give axes back. A motion in progress goes on and stays the owner's to the outside. */
 void motion_release(unsigned axes, const struct motion_owner *owner);
 
-/** Owner of an axis, or NULL. After motion_release it is the last one until the motion has ended. */
+/** Owner of an axis, or NULL. After motion_release the last one, until another claims it. */
 const struct motion_owner *motion_owner(unsigned axis);
 
 /**
@@ -79,7 +81,7 @@ const struct motion_owner *motion_owner(unsigned axis);
  */
 void motion_start(const struct motion_move *moves, unsigned count);
 
-/** Brake axes to rest on a whole count as fast as the drive allows; that count is the new target. */
+/** Brake axes to rest as fast as the drive allows; the count they stop on is the new target. */
 void motion_stop(unsigned axes);
 
 /** Stop everything and tell all owners MOTION_HALTED. True: a commanded motion was in progress. */
@@ -105,7 +107,7 @@ int32_t motion_target_counts(unsigned axis);
 /** The fastest an axis may be told to go. */
 double motion_speed_max_mm_per_s(unsigned axis);
 
-/** Main loop hook: late plans, and what the interrupt has to report. */
-void motion_poll(void);
+/** Hooks of the main loop: plans that came late, and what the interrupt has to report. */
+extern const struct module motion_module;
 
 #endif

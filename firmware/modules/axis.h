@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The motion pipeline of each axis, once a servo tick: set-point, limits, loop, drive.
+ *
+ *     plan -> profile -> (transform: none yet) -> limit switches -> loop -> duty
+ *
+ * Two sides. The tick interrupt (axis_tick) owns the profile, the loop and the report of each axis.
+ * The main loop owns the settings, the enable switch and the plan that is not in use; it hands a
+ * plan over by setting one flag, which either side may clear. Nothing locks: the interrupt cannot
+ * be interrupted, and the main loop reads what it changes as a whole (axis_read).
+ *
+ * Modules use modules/motion.h; this is its other half.
+ */
+#ifndef MODULES_AXIS_H
+#define MODULES_AXIS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/axis.h"
+#include "servo/loop.h"
+
+/** PWM periods in a servo tick, and what follows from it: 5 kHz. */
+#define AXIS_TICK_PWM_PERIODS 4u
+#define AXIS_TICK_US 200u
+
+/** Ticks of standstill after which an axis that was let go is regulated again: 20 ms. */
+#define AXIS_REST_TICKS 100u
+
+/** Why the interrupt stopped an axis. */
+enum axis_stop {
+    AXIS_STOP_NONE,
+    AXIS_STOP_LIMIT_LOWER,
+    AXIS_STOP_LIMIT_UPPER,
+    AXIS_STOP_INHIBITED,   /* emergency stop, or disabled while it moved */
+    AXIS_STOP_NOT_SETTLED, /* the loop gave up */
+    AXIS_STOP_DEAD,        /* the same, and stays off until it is enabled again */
+    AXIS_STOP_RUNAWAY,
+};
+
+/** What the interrupt did since the start. The main loop compares with what it has seen. */
+struct axis_report {
+    uint32_t arrivals;          /* commanded motions that reached their target, pause included */
+    uint64_t arrival_time_fast; /* of the last one */
+    uint32_t stops;
+    enum axis_stop last_stop;
+    bool stop_at_start; /* the limit switch was closed already when the motion began */
+};
+
+/** An axis at one tick. */
+struct axis_view {
+    uint64_t tick;
+    struct profile_point setpoint;
+    int64_t end_q32;         /* where the motion in progress will end, or the set-point at rest */
+    bool ramping;            /* the set-point accelerates or brakes */
+    bool ramping_up;         /* it accelerates */
+    bool planned;            /* a plan is in progress */
+    enum loop_mode mode;
+    bool commanded;          /* the motion in progress was asked for and has not ended */
+    int32_t position_counts;
+    int32_t error_counts;
+    int32_t duty_steps;
+    bool limit_lower, limit_upper; /* switch closed */
+    bool off;                /* disabled, inhibited or stopped by a fault: not driven */
+    struct axis_report report;
+};
+
+/** State of a plan that was handed over. */
+enum axis_handover {
+    AXIS_HANDOVER_NONE,    /* taken, withdrawn, or never made */
+    AXIS_HANDOVER_PENDING, /* waits for its tick */
+    AXIS_HANDOVER_LATE,    /* did not begin: the axis was elsewhere when its tick came */
+};
+
+/** Put all axes at rest where the encoders are, disabled, and start the tick. */
+void axis_init(void);
+
+/** The tick interrupt. */
+void axis_tick(void);
+
+/** Ticks since the start. */
+uint64_t axis_ticks(void);
+
+/** Time of the last tick, fast clocks since reset. */
+uint64_t axis_time_fast(void);
+
+/** Processor clocks the tick interrupt took: the last one, and the longest since the start. */
+uint32_t axis_tick_cycles(void);
+uint32_t axis_tick_cycles_max(void);
+
+/** The axis, all of it as of one tick. */
+void axis_read(unsigned axis, struct axis_view *view);
+
+/** Give an axis new loop settings; they are copied, and taken as a whole at a tick. */
+void axis_configure(unsigned axis, const struct loop_config *config);
+
+/** Switch an axis' drive and loop on or off; on also clears a fault. */
+void axis_enable(unsigned axis, bool enable);
+bool axis_enabled(unsigned axis);
+
+/** The set-point an axis will have at a tick from now on, if nothing stops it. */
+struct profile_point axis_predict(unsigned axis, uint64_t tick);
+
+/** Withdraw a plan that has not begun, and get the one to write the next into. */
+struct profile_plan *axis_plan(unsigned axis);
+
+/**
+ * Hand over the plan from axis_plan, to begin at `tick`.
+ *
+ * It begins only if the set-point then is exactly `start`, which it was planned from; otherwise the
+ * handover is late. At rest that holds at any tick, so a plan from rest can only be delayed.
+ */
+void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick);
+
+enum axis_handover axis_handover(unsigned axis);
+
+#endif

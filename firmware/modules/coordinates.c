@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/coordinates.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "core/axis.h"
+#include "modules/tuning.h"
+
+/* Where the user's 0 is, counts; has a fraction, so that HERE names a place exactly. */
+static double origin_counts[AXIS_COUNT];
+
+static double units_per_mm[AXIS_COUNT];  /* UM, not 0; negative: mirrored */
+static double counts_per_mm[AXIS_COUNT]; /* CNTS, above 0 */
+
+double coordinates_counts_per_mm(unsigned axis)
+{
+    return counts_per_mm[axis];
+}
+
+bool coordinates_mirrored(unsigned axis)
+{
+    return units_per_mm[axis] < 0;
+}
+
+static int32_t whole(double counts)
+{
+    if (!(counts > -(double)COORDINATES_COUNTS_MAX))
+        return -COORDINATES_COUNTS_MAX;
+    if (counts > (double)COORDINATES_COUNTS_MAX)
+        return COORDINATES_COUNTS_MAX;
+    return (int32_t)lround(counts);
+}
+
+int32_t coordinates_user_to_counts(unsigned axis, double user)
+{
+    return whole(origin_counts[axis] + user / units_per_mm[axis] * counts_per_mm[axis]);
+}
+
+int32_t coordinates_distance_to_counts(unsigned axis, double user)
+{
+    return whole(user / units_per_mm[axis] * counts_per_mm[axis]);
+}
+
+double coordinates_counts_to_user(unsigned axis, int32_t counts)
+{
+    return ((double)counts - origin_counts[axis]) / counts_per_mm[axis] * units_per_mm[axis];
+}
+
+static double mm_sign(unsigned axis)
+{
+    return coordinates_mirrored(axis) ? -1.0 : 1.0;
+}
+
+int32_t coordinates_mm_to_counts(unsigned axis, double mm)
+{
+    return whole(origin_counts[axis] + mm_sign(axis) * mm * counts_per_mm[axis]);
+}
+
+double coordinates_counts_to_mm(unsigned axis, int32_t counts)
+{
+    return mm_sign(axis) * ((double)counts - origin_counts[axis]) / counts_per_mm[axis];
+}
+
+void coordinates_name(unsigned axis, int32_t counts, double user)
+{
+    origin_counts[axis] = (double)counts - user / units_per_mm[axis] * counts_per_mm[axis];
+}
+
+static void init(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        origin_counts[axis] = 0.0;
+}
+
+static enum status not_zero(unsigned axis, double value)
+{
+    (void)axis;
+    return value != 0.0 ? STATUS_OK : STATUS_RANGE;
+}
+
+static void rescaled(unsigned axis, double value)
+{
+    (void)value;
+    tuning_apply(axis);
+}
+
+static const struct parameter parameters[] = {
+    {
+        .command = "UM", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 6,
+        .unit = "1/mm", .summary = "User units per mm; negative mirrors the axis.",
+        .minimum = -1e9, .maximum = 1e9, .initial = 10000, .saved = SAVED_BY_SS,
+        .value = units_per_mm, .check = not_zero,
+    },
+    {
+        .command = "CNTS", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 1,
+        .decimals_max = 6, .unit = "counts/mm", .summary = "Encoder counts per mm.",
+        .minimum = 1, .maximum = 1e7, .initial = 45396, .saved = SAVED_BY_SS,
+        .value = counts_per_mm, .set = rescaled,
+    },
+    {0},
+};
+
+static const struct command commands[] = {
+    {.name = "UM", .summary = "User units.", .form = FORM_S},
+    {.name = "CNTS", .shortcut = "C", .summary = "Encoder scale.", .form = FORM_S},
+    {0},
+};
+
+const struct module coordinates_module = {
+    .name = "coordinates",
+    .commands = commands,
+    .parameters = parameters,
+    .init = init,
+};

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/limits.h"
+
+#include <stddef.h>
+
+#include "core/axis.h"
+#include "core/fault.h"
+#include "modules/coordinates.h"
+#include "modules/motion.h"
+
+/* Default travel from the position at power-up, and the largest that can be set. */
+#define TRAVEL_MM 110.0
+#define TRAVEL_MAX_MM 100000.0
+
+/* By the order of counts, whatever the user's direction is. */
+static int32_t low_counts[AXIS_COUNT];
+static int32_t high_counts[AXIS_COUNT];
+
+int32_t limits_clip(unsigned axis, int32_t counts)
+{
+    if (counts > high_counts[axis]) {
+        log_error(FAULT_LIMIT_UPPER);
+        return high_counts[axis];
+    }
+    if (counts < low_counts[axis]) {
+        log_error(FAULT_LIMIT_LOWER);
+        return low_counts[axis];
+    }
+    return counts;
+}
+
+bool limits_allow(unsigned axis, int32_t counts)
+{
+    return counts >= low_counts[axis] && counts <= high_counts[axis];
+}
+
+bool limits_at_upper(unsigned axis, int32_t counts)
+{
+    return counts >= high_counts[axis];
+}
+
+bool limits_at_lower(unsigned axis, int32_t counts)
+{
+    return counts <= low_counts[axis];
+}
+
+/* The limit that is the lower (SETLOW) or the upper one (SETUP) in user coordinates. */
+static int32_t *limit(unsigned axis, bool upper)
+{
+    return upper != coordinates_mirrored(axis) ? &high_counts[axis] : &low_counts[axis];
+}
+
+/* As they were set, for the settings store; what counts is in counts. */
+static double low_mm[AXIS_COUNT];
+static double up_mm[AXIS_COUNT];
+
+static double get_low(unsigned axis)
+{
+    return coordinates_counts_to_mm(axis, *limit(axis, false));
+}
+
+static double get_up(unsigned axis)
+{
+    return coordinates_counts_to_mm(axis, *limit(axis, true));
+}
+
+/* A limit on the wrong side of the other one is ignored. */
+static void set(unsigned axis, bool upper, int32_t counts)
+{
+    int32_t *side = limit(axis, upper);
+    bool high = side == &high_counts[axis];
+
+    if (high ? counts > low_counts[axis] : counts < high_counts[axis])
+        *side = counts;
+}
+
+static void set_low(unsigned axis, double mm)
+{
+    set(axis, false, coordinates_mm_to_counts(axis, mm));
+}
+
+static void set_up(unsigned axis, double mm)
+{
+    set(axis, true, coordinates_mm_to_counts(axis, mm));
+}
+
+/* X+ is here, X- the default. */
+static enum status sign_low(unsigned axis, bool plus, bool act)
+{
+    if (act && plus)
+        set(axis, false, motion_position_counts(axis));
+    else if (act)
+        set_low(axis, -TRAVEL_MM);
+    low_mm[axis] = get_low(axis);
+    return STATUS_OK;
+}
+
+static enum status sign_up(unsigned axis, bool plus, bool act)
+{
+    if (act && plus)
+        set(axis, true, motion_position_counts(axis));
+    else if (act)
+        set_up(axis, TRAVEL_MM);
+    up_mm[axis] = get_up(axis);
+    return STATUS_OK;
+}
+
+static const struct parameter parameters[] = {
+    {
+        .command = "SETLOW", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 3,
+        .unit = "mm", .summary = "Lower soft limit; + is here, - the default.",
+        .minimum = -TRAVEL_MAX_MM, .maximum = TRAVEL_MAX_MM, .initial = -TRAVEL_MM,
+        .saved = SAVED_AT_ONCE, .value = low_mm, .get = get_low, .set = set_low,
+        .sign = sign_low,
+    },
+    {
+        .command = "SETUP", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 3,
+        .unit = "mm", .summary = "Upper soft limit; + is here, - the default.",
+        .minimum = -TRAVEL_MAX_MM, .maximum = TRAVEL_MAX_MM, .initial = TRAVEL_MM,
+        .saved = SAVED_AT_ONCE, .value = up_mm, .get = get_up, .set = set_up,
+        .sign = sign_up,
+    },
+    {0},
+};
+
+static const struct command commands[] = {
+    {.name = "SETLOW", .shortcut = "SL", .summary = "Lower soft limits.", .form = FORM_P},
+    {.name = "SETUP", .shortcut = "SU", .summary = "Upper soft limits.", .form = FORM_P},
+    {0},
+};
+
+const struct module limits_module = {
+    .name = "limits",
+    .commands = commands,
+    .parameters = parameters,
+};

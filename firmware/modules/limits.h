@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * Soft limits (SETLOW, SETUP): places of the stage that commanded moves do not pass.
+ *
+ * A limit keeps its place when HERE or ZERO rename it, so it is kept in counts; commands give it in
+ * user mm. SETLOW is the lower end in the host's coordinates, also when UM mirrors the axis.
+ * Limit switches are modules/axis.h's: the interrupt acts on them.
+ */
+#ifndef MODULES_LIMITS_H
+#define MODULES_LIMITS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/module.h"
+
+extern const struct module limits_module;
+
+/** The count itself, or the nearest one within the limits. Logs 34 or 35 when it was outside. */
+int32_t limits_clip(unsigned axis, int32_t counts);
+
+/** Whether a count is within the limits. */
+bool limits_allow(unsigned axis, int32_t counts);
+
+/** At or beyond the limit at the high or the low end of the counts. */
+bool limits_at_upper(unsigned axis, int32_t counts);
+bool limits_at_lower(unsigned axis, int32_t counts);
+
+#endif

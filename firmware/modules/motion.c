@@ -1,0 +1,315 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/motion.h"
+
+#include <stddef.h>
+
+#include "core/events.h"
+#include "core/fault.h"
+#include "modules/limits.h"
+#include "modules/tuning.h"
+
+/* Ticks between planning and the start of a plan: time to make one, per axis. */
+#define LEAD_TICKS_PER_AXIS 5u
+
+/* What the main loop knows of an axis. The rest is in axis.h. */
+struct motion {
+    const struct motion_owner *owner;
+    bool claimed;
+    struct motion_move move; /* the last one, for planning it again */
+    bool stopping;           /* the last plan is a stop, not `move` */
+    int32_t end_counts;      /* where the last plan ends */
+    uint32_t arrivals_seen;
+    uint32_t stops_seen;
+};
+
+static struct motion motions[AXIS_COUNT];
+static bool busy_before;
+
+static void tell(unsigned axis, enum motion_end why)
+{
+    const struct motion *m = &motions[axis];
+
+    if (m->claimed && m->owner->ended != NULL)
+        m->owner->ended(axis, why);
+}
+
+static bool may_take(unsigned axis, const struct motion_owner *owner)
+{
+    const struct motion *m = &motions[axis];
+
+    return !m->claimed || m->owner == owner || m->owner->yield == NULL ||
+           m->owner->yield(axis, owner);
+}
+
+bool motion_claim(unsigned axes, const struct motion_owner *owner)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0 && !may_take(axis, owner))
+            return false;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        struct motion *m = &motions[axis];
+
+        if ((axes & MOTION_AXIS(axis)) == 0)
+            continue;
+        if (m->owner != owner)
+            tell(axis, MOTION_TAKEN);
+        m->owner = owner;
+        m->claimed = true;
+    }
+    return true;
+}
+
+void motion_release(unsigned axes, const struct motion_owner *owner)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0 && motions[axis].owner == owner)
+            motions[axis].claimed = false;
+}
+
+const struct motion_owner *motion_owner(unsigned axis)
+{
+    return motions[axis].owner;
+}
+
+/* Write the plan of an axis for a start at `tick`; `start`: the set-point it starts from. */
+static void plan(unsigned axis, uint64_t tick, struct profile_point *start)
+{
+    struct motion *m = &motions[axis];
+    struct profile_plan *made = axis_plan(axis);
+    double speed_per_tick = tuning_counts_per_tick(axis, m->move.speed_mm_per_s);
+    double acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms);
+    int64_t target_q32 = (int64_t)m->move.target_counts * (INT64_C(1) << 32);
+
+    *start = axis_predict(axis, tick);
+    if (m->stopping)
+        target_q32 = profile_stop_q32(start, acceleration);
+    m->end_counts = (int32_t)(target_q32 >> 32);
+    profile_plan_move(made, start, target_q32, speed_per_tick, acceleration);
+}
+
+/* Make the plans of some axes and hand them over for one tick, again if that took too long. */
+static void launch(unsigned axes)
+{
+    struct profile_point starts[AXIS_COUNT];
+    unsigned lead = 2;
+    uint64_t tick;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0)
+            lead += LEAD_TICKS_PER_AXIS;
+    do {
+        tick = axis_ticks() + lead;
+        lead *= 2;
+        for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+            if ((axes & MOTION_AXIS(axis)) != 0)
+                plan(axis, tick, &starts[axis]);
+    } while (axis_ticks() + 1 >= tick);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0)
+            axis_hand_over(axis, &starts[axis], tick);
+}
+
+void motion_start(const struct motion_move *moves, unsigned count)
+{
+    unsigned axes = 0;
+
+    for (unsigned i = 0; i < count; i++) {
+        struct motion *m = &motions[moves[i].axis];
+
+        if (!axis_enabled(moves[i].axis))
+            continue;
+        m->move = moves[i];
+        m->move.target_counts = limits_clip(moves[i].axis, moves[i].target_counts);
+        if (m->move.speed_mm_per_s > TUNING_SPEED_MAX_MM_PER_S)
+            m->move.speed_mm_per_s = TUNING_SPEED_MAX_MM_PER_S;
+        m->stopping = false;
+        axes |= MOTION_AXIS(moves[i].axis);
+    }
+    launch(axes);
+}
+
+void motion_stop(unsigned axes)
+{
+    unsigned moving = 0;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        struct motion *m = &motions[axis];
+        struct axis_view view;
+
+        if ((axes & MOTION_AXIS(axis)) == 0)
+            continue;
+        (void)axis_plan(axis); /* withdraws one that has not begun */
+        axis_read(axis, &view);
+        if (!view.planned)
+            continue;
+        m->stopping = true;
+        m->move.speed_mm_per_s = TUNING_SPEED_MAX_MM_PER_S;
+        m->move.ramp_ms = TUNING_BRAKE_MS;
+        moving |= MOTION_AXIS(axis);
+    }
+    launch(moving);
+}
+
+bool motion_halt(void)
+{
+    bool commanded = motion_busy();
+
+    motion_stop(MOTION_AXES_ALL);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        tell(axis, MOTION_HALTED);
+    events_publish(EVENT_HALT, commanded, events_now());
+    return commanded;
+}
+
+void motion_enable(unsigned axis, bool enable)
+{
+    axis_enable(axis, enable);
+    if (!enable)
+        (void)axis_plan(axis);
+}
+
+bool motion_enabled(unsigned axis)
+{
+    return axis_enabled(axis);
+}
+
+bool motion_axis_busy(unsigned axis)
+{
+    const struct motion *m = &motions[axis];
+    struct axis_view view;
+
+    if (m->owner == NULL || !m->owner->busy)
+        return false;
+    if (m->claimed && m->owner->holds)
+        return true;
+    if (m->stopping)
+        return false;
+    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+        return true;
+    axis_read(axis, &view);
+    return view.commanded;
+}
+
+bool motion_busy(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (motion_axis_busy(axis))
+            return true;
+    return false;
+}
+
+bool motion_in_position(unsigned axis)
+{
+    struct axis_view view;
+
+    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+        return false;
+    axis_read(axis, &view);
+    return view.mode == LOOP_IDLE && !view.commanded;
+}
+
+int32_t motion_position_counts(unsigned axis)
+{
+    struct axis_view view;
+
+    axis_read(axis, &view);
+    return view.position_counts;
+}
+
+int32_t motion_target_counts(unsigned axis)
+{
+    struct axis_view view;
+
+    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+        return motions[axis].end_counts;
+    axis_read(axis, &view);
+    return (int32_t)(view.end_q32 >> 32);
+}
+
+double motion_speed_max_mm_per_s(unsigned axis)
+{
+    (void)axis;
+    return TUNING_SPEED_MAX_MM_PER_S;
+}
+
+static enum motion_end why(enum axis_stop stop)
+{
+    switch (stop) {
+    case AXIS_STOP_LIMIT_LOWER:
+    case AXIS_STOP_LIMIT_UPPER:
+        return MOTION_LIMIT;
+    case AXIS_STOP_INHIBITED:
+        return MOTION_DISABLED;
+    default:
+        return MOTION_FAULT;
+    }
+}
+
+static uint16_t code(unsigned axis, const struct axis_report *report)
+{
+    switch (report->last_stop) {
+    case AXIS_STOP_LIMIT_LOWER:
+        return report->stop_at_start ? FAULT_INTO_LIMIT_LOWER : FAULT_LIMIT_LOWER;
+    case AXIS_STOP_LIMIT_UPPER:
+        return report->stop_at_start ? FAULT_INTO_LIMIT_UPPER : FAULT_LIMIT_UPPER;
+    case AXIS_STOP_NOT_SETTLED:
+        return (uint16_t)(FAULT_ADJUST_MOVE + axis);
+    case AXIS_STOP_DEAD:
+        return (uint16_t)(FAULT_AXIS_DEAD + axis);
+    case AXIS_STOP_RUNAWAY:
+        return (uint16_t)(FAULT_RUNAWAY + axis);
+    default:
+        return FAULT_NONE;
+    }
+}
+
+static void poll_axis(unsigned axis)
+{
+    struct motion *m = &motions[axis];
+    struct axis_view view;
+
+    axis_read(axis, &view);
+    if (view.off) {
+        if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+            (void)axis_plan(axis);
+    } else if (axis_handover(axis) == AXIS_HANDOVER_LATE) {
+        launch(MOTION_AXIS(axis));
+    }
+    if (view.report.stops != m->stops_seen) {
+        m->stops_seen = view.report.stops;
+        if (code(axis, &view.report) != FAULT_NONE)
+            log_error(code(axis, &view.report));
+        tell(axis, why(view.report.last_stop));
+    }
+    if (view.report.arrivals != m->arrivals_seen) {
+        m->arrivals_seen = view.report.arrivals;
+        if (!m->stopping)
+            events_publish(EVENT_MOVE_DONE, axis, view.report.arrival_time_fast);
+    }
+}
+
+static void init(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        motions[axis] = (struct motion){0};
+    busy_before = false;
+}
+
+static void poll(void)
+{
+    bool busy;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        poll_axis(axis);
+    busy = motion_busy();
+    if (busy != busy_before) {
+        busy_before = busy;
+        events_publish(EVENT_BUSY, busy, events_now());
+    }
+}
+
+const struct module motion_module = {
+    .name = "motion",
+    .init = init,
+    .poll = poll,
+};

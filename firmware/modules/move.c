@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/move.h"
+
+#include <stddef.h>
+
+#include "core/axis.h"
+#include "hal/snapshot.h"
+#include "modules/coordinates.h"
+#include "modules/motion.h"
+#include "modules/tuning.h"
+
+/* Commanded over serial: busy, and given up to whoever asks. */
+static const struct motion_owner serial_owner = {
+    .name = "serial",
+    .busy = true,
+    .letter = 'B',
+};
+
+/* HALT acts as soon as its line is known and is answered in its turn. */
+static bool halted_commanded;
+
+static bool names_axis(const struct request *request, unsigned axis)
+{
+    return request->count == 0 || request_argument(request, axis_letter(axis)) != NULL;
+}
+
+/* The moves of a line, `axes` those it moves. `base` gives the counts that the values are added to,
+ * NULL: they are places. */
+static unsigned read_moves(const struct request *request, bool relative, struct motion_move *moves,
+                           unsigned *axes)
+{
+    unsigned count = 0;
+
+    *axes = 0;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct argument *argument = request_argument(request, axis_letter(axis));
+        struct motion_move *move = &moves[count];
+
+        if (argument == NULL || argument->kind == ARGUMENT_QUERY)
+            continue;
+        move->axis = axis;
+        move->speed_mm_per_s = tuning_speed_mm_per_s(axis);
+        move->ramp_ms = tuning_ramp_ms(axis);
+        if (relative) {
+            /* Both within +-2^30. */
+            move->target_counts = motion_target_counts(axis) +
+                                  coordinates_distance_to_counts(axis, argument->value);
+        } else {
+            move->target_counts = coordinates_user_to_counts(axis, argument->value);
+        }
+        *axes |= MOTION_AXIS(axis);
+        count++;
+    }
+    return count;
+}
+
+static enum status start(const struct request *request, bool relative)
+{
+    struct motion_move moves[AXIS_COUNT];
+    unsigned axes;
+    unsigned count = read_moves(request, relative, moves, &axes);
+
+    if (!motion_claim(axes, &serial_owner))
+        return STATUS_FAILED;
+    motion_start(moves, count);
+    return STATUS_OK;
+}
+
+/* Targets of the axes asked with `?`. */
+static void print_targets(const struct request *request, struct reply *reply)
+{
+    reply_open(reply, FORM_P);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct argument *argument = request_argument(request, axis_letter(axis));
+
+        if (argument == NULL || argument->kind != ARGUMENT_QUERY)
+            continue;
+        reply_field(reply, axis_letter(axis));
+        reply_number(reply, coordinates_counts_to_user(axis, motion_target_counts(axis)),
+                     (unsigned)reply_position_decimals);
+    }
+    reply_close(reply);
+}
+
+static enum status move(const struct request *request, struct reply *reply)
+{
+    enum status status = start(request, false);
+
+    print_targets(request, reply);
+    return status;
+}
+
+static enum status movrel(const struct request *request, struct reply *reply)
+{
+    enum status status = start(request, true);
+
+    print_targets(request, reply);
+    return status;
+}
+
+static enum status where(const struct request *request, struct reply *reply)
+{
+    struct snapshot snapshot;
+
+    snapshot_now(&snapshot);
+    reply_open(reply, FORM_V);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (!names_axis(request, axis))
+            continue;
+        reply_field(reply, axis_letter(axis));
+        reply_number(reply, coordinates_counts_to_user(axis, snapshot.position_counts[axis]),
+                     (unsigned)reply_position_decimals);
+    }
+    reply_close(reply);
+    return STATUS_OK;
+}
+
+/* Name the present place of an axis. At rest that is its target, which friction holds it near. */
+static void name(unsigned axis, double user)
+{
+    int32_t counts = motion_in_position(axis) ? motion_target_counts(axis)
+                                              : motion_position_counts(axis);
+
+    coordinates_name(axis, counts, user);
+    events_publish(EVENT_ORIGIN_MOVED, axis, events_now());
+}
+
+static enum status here(const struct request *request, struct reply *reply)
+{
+    (void)reply;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct argument *argument = request_argument(request, axis_letter(axis));
+
+        if (argument != NULL)
+            name(axis, argument->value);
+    }
+    return STATUS_OK;
+}
+
+static enum status zero(const struct request *request, struct reply *reply)
+{
+    (void)reply;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (names_axis(request, axis))
+            name(axis, 0.0);
+    return STATUS_OK;
+}
+
+static void halt_now(void)
+{
+    if (motion_halt())
+        halted_commanded = true;
+}
+
+static enum status halt(const struct request *request, struct reply *reply)
+{
+    bool commanded;
+
+    (void)request;
+    (void)reply;
+    halt_now();
+    commanded = halted_commanded;
+    halted_commanded = false;
+    return commanded ? STATUS_HALTED : STATUS_OK;
+}
+
+static const struct command commands[] = {
+    {
+        .name = "MOVE", .shortcut = "M", .summary = "Move to a place, in user units.",
+        .flags = COMMAND_NEEDS_ARGUMENT, .run = move,
+        .accepts = ARGUMENT_BARE | ARGUMENT_VALUE | ARGUMENT_QUERY,
+    },
+    {
+        .name = "MOVREL", .shortcut = "R", .summary = "Move by a distance, in user units.",
+        .flags = COMMAND_NEEDS_ARGUMENT, .run = movrel,
+        .accepts = ARGUMENT_BARE | ARGUMENT_VALUE | ARGUMENT_QUERY,
+    },
+    {
+        .name = "WHERE", .shortcut = "W", .summary = "Positions, in user units.",
+        .form = FORM_V, .run = where, .accepts = ARGUMENT_BARE | ARGUMENT_QUERY,
+    },
+    {
+        .name = "HERE", .shortcut = "H", .summary = "Name the present place, in user units.",
+        .flags = COMMAND_NEEDS_ARGUMENT, .run = here,
+        .accepts = ARGUMENT_BARE | ARGUMENT_VALUE,
+    },
+    {
+        .name = "ZERO", .shortcut = "Z", .summary = "Let the present place be 0.",
+        .run = zero, .accepts = ARGUMENT_BARE,
+    },
+    {
+        .name = "HALT", .shortcut = "\\", .summary = "Stop everything.",
+        .run = halt, .urgent = halt_now, .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL,
+    },
+    {0},
+};
+
+const struct module move_module = {
+    .name = "move",
+    .commands = commands,
+};
