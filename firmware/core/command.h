@@ -88,7 +88,7 @@ struct parameter {
     enum parameter_type type;
     uint8_t decimals; /* printed, 0 to 9; PARAMETER_REAL only */
     uint8_t decimals_max; /* if larger: as many up to this as it takes to print the value exactly */
-    const char *unit;
+    const char *unit; /* NULL or "": none */
     const char *summary;
     double minimum, maximum;                /* both allowed */
     enum parameter_outside below, above;

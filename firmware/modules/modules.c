@@ -3,11 +3,27 @@
 
 #include <stddef.h>
 
+#include "modules/coordinates.h"
 #include "modules/identity.h"
+#include "modules/limits.h"
+#include "modules/motion.h"
+#include "modules/move.h"
+#include "modules/scan.h"
 #include "modules/settings.h"
+#include "modules/status.h"
+#include "modules/ttl.h"
+#include "modules/tuning.h"
 
-/* Start-up runs `init` in this order. */
+/* Start-up runs `init` in this order, and each turn of the main loop `poll`. */
 const struct module *const firmware_modules[] = {
+    &coordinates_module,
+    &limits_module,
+    &tuning_module,
+    &motion_module,
+    &move_module,
+    &status_module,
+    &ttl_module,
+    &scan_module,
     &identity_module,
     &settings_module,
     NULL,
