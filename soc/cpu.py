@@ -37,6 +37,9 @@ ADAPTATIONS = [
     (r"assign dBus_rsp_payload_error = 1'b0;",
      "reg dBusWishbone_ERR_regNext;\n  always @(posedge clk) dBusWishbone_ERR_regNext <= dBusWishbone_ERR;\n"
      "  assign dBus_rsp_payload_error = dBusWishbone_ERR_regNext;"),
+    # An error on the last word of a line belongs to that line, not to the next one.
+    (r"if\(io_mem_rsp_payload_error\) begin(\s+lineLoader_hadError <= 1'b1;)",
+     r"if(io_mem_rsp_payload_error && (! lineLoader_fire)) begin\1"),
     # Reads narrower than a word say so too, except in a line burst.
     (r"assign dBusWishbone_SEL = \(\w+ \? dBus_cmd_payload_mask : 4'b1111\);",
      "assign dBusWishbone_SEL = ((dBus_cmd_payload_size == 3'b101) ? 4'b1111 : dBus_cmd_payload_mask);"),

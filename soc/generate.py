@@ -15,8 +15,11 @@ import argparse
 import json
 import re
 from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
 from pathlib import Path
+
+from amaranth.hdl import Fragment
 
 from rtl.identity import MAGIC, MAP_VERSION
 from rtl.registers import Field, Register
@@ -24,7 +27,7 @@ from soc import top
 from soc.header import render_header
 from soc.manual import render_manual
 
-__all__ = ["BlockMap", "FieldMap", "RegisterMap", "collect", "files"]
+__all__ = ["BlockMap", "FieldMap", "RegisterMap", "collect", "design", "files"]
 
 STORED = ("RW", "RW1C")
 
@@ -138,10 +141,19 @@ def render_json(blocks, constants, interrupts):
                       indent=1) + "\n"
 
 
-def files(design):
-    """``{path below the root: text}`` of everything generated from an :class:`soc.top.Abbe`."""
+@cache
+def design():
+    """The design that is described; one object for the whole process."""
+    result = top.Abbe()
+    # Elaborated for nothing but Amaranth's peace: it complains of components that nobody builds.
+    Fragment.get(result, platform=None)
+    return result
+
+
+def files():
+    """``{path below the root: text}`` of everything generated."""
     docs = {p.name: (p.registers or p.make).__doc__ for p in top.PERIPHERALS}
-    blocks = collect(design.register_map, docs, base=top.REGISTERS)
+    blocks = collect(design().register_map, docs, base=top.REGISTERS)
     interrupts = dict(sorted((p.interrupt for p in top.PERIPHERALS if p.interrupt), key=lambda i: i[1]))
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ}
@@ -160,7 +172,7 @@ def main():
     parser.add_argument("--check", action="store_true",
                         help="write nothing; fail if the committed page differs from the design")
     arguments = parser.parse_args()
-    for name, text in files(top.Abbe()).items():
+    for name, text in files().items():
         path = arguments.out / name.removeprefix("build/") if name.startswith("build/") else root / name
         old = path.read_text() if path.exists() else None
         if old == text:
