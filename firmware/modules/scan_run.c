@@ -10,8 +10,9 @@
 #include "hal/divider.h"
 #include "hal/identity.h"
 #include "modules/coordinates.h"
-#include "modules/lookup.h"
+#include "modules/limits.h"
 #include "modules/motion.h"
+#include "modules/tuning.h"
 
 /* A scan in progress. */
 static struct {
@@ -27,7 +28,8 @@ static bool refuse(unsigned axis, const struct motion_owner *to);
 static void ended(unsigned axis, enum motion_end why);
 
 static const struct motion_owner owner = {
-    .name = "scan", .busy = true, .letter = 'M', .yield = refuse, .ended = ended,
+    .name = "scan", .busy = true, .holds = true, .letter = 'B',
+    .yield = refuse, .ended = ended,
 };
 
 /* A scan lets nobody else move its axes: the next line would not be where it belongs. */
@@ -60,22 +62,12 @@ static int32_t slow_counts(uint32_t line)
     return (int32_t)lround(scan.slow_first + way * line / scan.setup.lines);
 }
 
-static double speed_mm_per_s(unsigned axis)
-{
-    return lookup_value("SPEED", axis, 0);
-}
-
-static double ramp_ms(unsigned axis)
-{
-    return lookup_value("ACCEL", axis, 0);
-}
-
 /* --- check and start ------------------------------------------------------------------------- */
 
 static bool within(int32_t counts, unsigned axis)
 {
-    (void)axis;
-    return counts > -COORDINATES_COUNTS_MAX && counts < COORDINATES_COUNTS_MAX;
+    return counts > -COORDINATES_COUNTS_MAX && counts < COORDINATES_COUNTS_MAX &&
+           limits_allow(axis, counts);
 }
 
 static enum status plan_fast_axis(const struct scan_setup *setup, struct scan_plan *plan)
@@ -83,9 +75,9 @@ static enum status plan_fast_axis(const struct scan_setup *setup, struct scan_pl
     const unsigned fast = (unsigned)setup->fast;
     const struct scan_axis axis = {
         .counts_per_mm = coordinates_counts_per_mm(fast),
-        .speed_mm_per_s = speed_mm_per_s(fast),
+        .speed_mm_per_s = tuning_speed_mm_per_s(fast),
         .speed_max_mm_per_s = motion_speed_max_mm_per_s(fast),
-        .accel_ms = ramp_ms(fast),
+        .accel_ms = tuning_ramp_ms(fast),
         .start_count = coordinates_mm_to_counts(fast, setup->line.start_mm),
         .mirrored = coordinates_mirrored(fast),
         .fast_clock_hz = identity_fast_clock_rate_hz(),
@@ -132,7 +124,7 @@ static void go(int axis, int32_t target_counts, double speed_mm_per_s)
 {
     const struct motion_move move = {
         .axis = (unsigned)axis, .target_counts = target_counts,
-        .speed_mm_per_s = speed_mm_per_s, .ramp_ms = ramp_ms((unsigned)axis),
+        .speed_mm_per_s = speed_mm_per_s, .ramp_ms = tuning_ramp_ms((unsigned)axis),
     };
 
     motion_start(&move, 1);
@@ -146,8 +138,10 @@ static void go_to_run_up(void)
 
 static void go_to_slow_line(void)
 {
-    if (scan.setup.slow != SCAN_NO_AXIS)
-        go(scan.setup.slow, slow_counts(scan.line), speed_mm_per_s((unsigned)scan.setup.slow));
+    const int slow = scan.setup.slow;
+
+    if (slow != SCAN_NO_AXIS)
+        go(slow, slow_counts(scan.line), tuning_speed_mm_per_s((unsigned)slow));
 }
 
 enum status scan_run_start(const struct scan_setup *setup)
@@ -187,6 +181,23 @@ static bool at_rest(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((scan.axes & MOTION_AXIS(axis)) != 0 && !motion_in_position(axis))
+            return false;
+    return true;
+}
+
+/* At rest, or out of control: nothing is left to wait for. */
+static bool is_over(unsigned axis)
+{
+    struct axis_view view;
+
+    axis_read(axis, &view);
+    return view.off || motion_in_position(axis);
+}
+
+static bool all_over(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((scan.axes & MOTION_AXIS(axis)) != 0 && !is_over(axis))
             return false;
     return true;
 }
@@ -258,7 +269,7 @@ static void begin_line(void)
         fail(FAULT_SCAN_LOST_PULSES);
         return;
     }
-    go(scan.setup.fast, line_in_hand()->to_count, speed_mm_per_s((unsigned)scan.setup.fast));
+    go(scan.setup.fast, line_in_hand()->to_count, tuning_speed_mm_per_s((unsigned)scan.setup.fast));
     scan.state = SCAN_ACCELERATE;
 }
 
@@ -339,7 +350,7 @@ void scan_run_poll(void)
         break;
     case SCAN_STOP:
     case SCAN_ERROR:
-        if (at_rest())
+        if (all_over())
             finish();
         break;
     }

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/settling.h"
+
+#include "modules/axis.h"
+
+#define FAST_PER_MS 200000.0
+
+static struct watch {
+    struct settling result;
+    bool settling;
+    uint64_t tick;
+    uint64_t since_fast;
+    uint32_t arrivals;
+    uint32_t count;
+} watches[AXIS_COUNT];
+
+const struct settling *settling_of(unsigned axis)
+{
+    return &watches[axis].result;
+}
+
+static void note_arrival(struct watch *w, const struct axis_report *report)
+{
+    w->arrivals = report->arrivals;
+    if (!w->settling || report->arrival_time_fast < w->since_fast)
+        return;
+    w->count++;
+    w->result.last_ms = (double)(report->arrival_time_fast - w->since_fast) / FAST_PER_MS;
+    w->result.mean_ms += (w->result.last_ms - w->result.mean_ms) / w->count;
+}
+
+static void follow(struct watch *w, const struct axis_view *view)
+{
+    if (view->tick == w->tick)
+        return;
+    w->tick = view->tick;
+    if (view->report.arrivals != w->arrivals)
+        note_arrival(w, &view->report);
+    if (view->planned)
+        w->result.error_sum_counts = 0;
+    if (!w->settling)
+        w->since_fast = axis_time_fast();
+    w->settling = view->commanded && !view->planned;
+    if (w->settling)
+        w->result.error_sum_counts += view->error_counts;
+}
+
+void settling_poll(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        struct axis_view view;
+
+        axis_read(axis, &view);
+        follow(&watches[axis], &view);
+    }
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/** How long each axis takes to arrive, as the main loop sees it: what INFO prints. */
+#ifndef MODULES_SETTLING_H
+#define MODULES_SETTLING_H
+
+/** From the end of the set-point's motion to arrival (the pause included). */
+struct settling {
+    double last_ms, mean_ms; /* since power-up; 0 before the first arrival */
+    double error_sum_counts; /* of the settling in progress or the last one, over the ticks seen */
+};
+
+const struct settling *settling_of(unsigned axis);
+
+/** Each turn of the main loop: a motion's end is seen at the first turn after it. */
+void settling_poll(void);
+
+#endif
