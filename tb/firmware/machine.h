@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The whole firmware on the host, all modules, over memory for registers and a frictionless stage:
+ * enough for what the language says. How well it moves is tested on the board model, not here.
+ */
+#ifndef TB_FIRMWARE_MACHINE_H
+#define TB_FIRMWARE_MACHINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/** Power up: registers 0, stage at 0, settings at their initial values. */
+void machine_start(void);
+
+/** Send a line, CR added, and run until its reply is complete. */
+const char *machine_send(const char *line);
+
+/** The same for any bytes; what came out. */
+const char *machine_bytes(const void *bytes, size_t length);
+
+/** Let time pass, in servo ticks of 200 us. */
+void machine_run(unsigned ticks);
+
+/** Run until STATUS says N. False: not within ten seconds. */
+bool machine_wait(void);
+
+#endif
