@@ -2,6 +2,13 @@
 /* The target's; empty in the host build. CSRs 0xbc0 (mask) and 0xfc0 (pending) are VexRiscv's. */
 #include "hal/interrupts.h"
 
+#include "regs.h"
+
+_Static_assert(INTERRUPTS_TICK == 1 << INTERRUPT_TICK && INTERRUPTS_SERIAL == 1 << INTERRUPT_SERIAL &&
+                   INTERRUPTS_TIMER == 1 << INTERRUPT_TIMER &&
+                   INTERRUPTS_LINE == 1 << INTERRUPT_LINE && INTERRUPTS_BUS == 1 << INTERRUPT_BUS,
+               "interrupt lines");
+
 #ifdef __riscv
 
 #define MSTATUS_MIE 8u

@@ -9,7 +9,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/** Let these lines (bit mask; bits INTERRUPT_... of regs.h) interrupt, and no others. */
+/** Lines, as bits of a mask. */
+enum {
+    INTERRUPTS_TICK = 0x01,
+    INTERRUPTS_SERIAL = 0x02,
+    INTERRUPTS_TIMER = 0x04,
+    INTERRUPTS_LINE = 0x08, /* compare: a line began, ended, or was armed too late */
+    INTERRUPTS_BUS = 0x10,  /* a write that no register took */
+};
+
+/** Let these lines interrupt, and no others. */
 void interrupts_enable(uint32_t lines);
 
 /** Lines that are enabled and request now. For the dispatcher. */

@@ -67,10 +67,9 @@ void coordinates_name(unsigned axis, int32_t counts, double user)
     origin_counts[axis] = (double)counts - user / units_per_mm[axis] * counts_per_mm[axis];
 }
 
-static void init(void)
+void coordinates_set_origin(unsigned axis, int32_t counts)
 {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        origin_counts[axis] = 0.0;
+    origin_counts[axis] = counts;
 }
 
 static enum status not_zero(unsigned axis, double value)
@@ -111,5 +110,4 @@ const struct module coordinates_module = {
     .name = "coordinates",
     .commands = commands,
     .parameters = parameters,
-    .init = init,
 };

@@ -38,6 +38,9 @@ int32_t coordinates_distance_to_counts(unsigned axis, double user);
 double coordinates_counts_to_user(unsigned axis, int32_t counts);
 double coordinates_counts_to_mm(unsigned axis, int32_t counts);
 
+/** Let a count be 0 for the user. Start-up and RESET; before the settings are loaded. */
+void coordinates_set_origin(unsigned axis, int32_t counts);
+
 /** HERE: let a count be a place in user units, exactly. */
 void coordinates_name(unsigned axis, int32_t counts, double user);
 

@@ -42,9 +42,9 @@ void pid_reset(struct pid_state *st, int32_t error_q8)
     st->derivative_q16 = 0;
 }
 
-/* Widths. Every product is of a gain below 2^31 and a value of at most 2^30, and enters the sum with
- * 24 fraction bits: P below 2^(31+23), I 2^(15+24), D 2^(31+30-8), V 2^(31+26-8), A 2^(31+26-4),
- * friction 2^(15+24). The sum is below 2^56; the friction product itself below 2^(40+20). */
+/* Widths. Every product is of a gain below 2^31 and a value of at most 2^30, and enters the sum
+ * with 24 fraction bits: P below 2^(31+23), I 2^(15+24), D 2^(31+30-8), V 2^(31+26-8),
+ * A 2^(31+26-4), friction 2^(15+24). The sum is below 2^56; the friction product itself below 2^(40+20). */
 int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t error_q8,
                  int32_t velocity_q16, int32_t acceleration_q20)
 {

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/** The target's program: run the application, sleep when there is nothing to do. */
+#include <stdint.h>
+
+#include "hal/interrupts.h"
+#include "hal/pwm.h"
+#include "hal/serial.h"
+#include "main.h"
+#include "modules/application.h"
+
+static void stay(void)
+{
+    for (;;)
+        __asm__ volatile("wfi");
+}
+
+void main_interrupt(void)
+{
+    application_interrupt();
+}
+
+static void say_hex(uint32_t value)
+{
+    char text[] = " 0x00000000";
+
+    for (int i = 0; i < 8; i++)
+        text[10 - i] = "0123456789abcdef"[value >> (4 * i) & 0xf];
+    serial_say(text);
+}
+
+void main_trap(uint32_t cause, uint32_t at, uint32_t value)
+{
+    pwm_enable(0);
+    serial_say("\r\nAbbe: stopped by a fault, cause, place, value:");
+    say_hex(cause);
+    say_hex(at);
+    say_hex(value);
+    serial_say("\r\n");
+    stay();
+}
+
+int main(void)
+{
+    if (!application_init())
+        stay();
+    for (;;) {
+        application_poll();
+        interrupts_sleep_unless(application_busy);
+    }
+}

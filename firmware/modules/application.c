@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/application.h"
+
+#include <stddef.h>
+
+#include "core/action.h"
+#include "core/console.h"
+#include "core/events.h"
+#include "core/fault.h"
+#include "core/settings.h"
+#include "hal/identity.h"
+#include "hal/interrupts.h"
+#include "hal/serial.h"
+#include "hal/timer.h"
+#include "modules/axis.h"
+#include "modules/coordinates.h"
+#include "modules/modules.h"
+
+static const uint32_t LINES =
+    INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
+
+static struct console console;
+static bool reset_wanted;
+
+/* Put everything in its state after power-up: axes at rest at 0, saved settings. */
+static void start(void)
+{
+    axis_init();
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        struct axis_view view;
+
+        axis_read(axis, &view);
+        coordinates_set_origin(axis, view.position_counts);
+    }
+    settings_load();
+    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
+        if ((*module)->init != NULL)
+            (*module)->init();
+    console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
+    reset_wanted = false;
+    interrupts_enable(LINES);
+}
+
+bool application_init(void)
+{
+    if (!identity_is_known()) {
+        serial_say("Abbe: unknown gateware, not started\r\n");
+        return false;
+    }
+    events_set_clock(axis_time_fast);
+    command_init(firmware_modules);
+    action_init(firmware_claims);
+    if (!events_init(firmware_modules)) {
+        serial_say("Abbe: too many event hooks, not started\r\n");
+        return false;
+    }
+    settings_init(&settings_ram);
+    serial_init(identity_clock_rate_hz(), APPLICATION_BITS_PER_S);
+    start();
+    return true;
+}
+
+void application_poll(void)
+{
+    console_poll(&console);
+    fault_poll();
+    events_poll();
+    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
+        if ((*module)->poll != NULL)
+            (*module)->poll();
+
+    /* The acknowledge leaves first. */
+    if (reset_wanted && console_idle(&console) && serial_is_quiet()) {
+        interrupts_enable(0);
+        start();
+    }
+}
+
+bool application_busy(void)
+{
+    return !console_idle(&console) || ring_used(serial_receive_ring()) > 0;
+}
+
+void application_interrupt(void)
+{
+    uint32_t lines = interrupts_pending();
+
+    /* The tick first: the duty it computes is taken at the next PWM period. */
+    if ((lines & INTERRUPTS_TICK) != 0)
+        axis_tick();
+    if ((lines & INTERRUPTS_SERIAL) != 0)
+        serial_interrupt();
+    if ((lines & INTERRUPTS_TIMER) != 0)
+        timer_acknowledge();
+}
+
+static enum status reset(const struct request *request, struct reply *reply)
+{
+    (void)request;
+    (void)reply;
+    reset_wanted = true;
+    return STATUS_OK;
+}
+
+static void reset_asked(const struct event *event)
+{
+    (void)event;
+    reset_wanted = true;
+}
+
+static const struct command commands[] = {
+    {
+        .name = "RESET", .shortcut = "~", .summary = "Saved settings, and all positions 0.",
+        .run = reset, .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL,
+    },
+    {0},
+};
+
+static const struct subscription subscriptions[] = {
+    {EVENT_RESET, EVENT_IN_MAIN, reset_asked},
+    {0},
+};
+
+const struct module application_module = {
+    .name = "application",
+    .commands = commands,
+    .subscriptions = subscriptions,
+};
