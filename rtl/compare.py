@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Position compare: begins the active line when the stage crosses a reference edge."""
 
-from amaranth import Cat, Module, Signal, signed
+from amaranth import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
@@ -76,18 +76,19 @@ class PositionCompare(wiring.Component):
             sampled.eq(self.arm & ~self.disarm),
         ]
 
-        # Clock 1: equality by bytes, and the lower half of the difference.
+        # Clock 1: equality by bytes, and the sign of the difference by halves, without and with a borrow.
         half = WIDTH // 2
         count = self.step.count
+        upper, target_upper = count[half:], target[half:]
         equal = Signal(WIDTH // SLICE)
         along = Signal()                            # a step in the scan direction
-        borrow, upper, target_upper = Signal(), Signal(half), Signal(half)
+        borrow, signs = Signal(), Signal(2)
         judging = Signal()
         m.d.fast += [
             equal.eq(Cat(count[n:n + SLICE] == target[n:n + SLICE] for n in range(0, WIDTH, SLICE))),
             along.eq(self.step.moved & (self.step.up ^ reverse)),
             borrow.eq(count[:half] < target[:half]),
-            upper.eq(count[half:]), target_upper.eq(target[half:]),
+            signs.eq(Cat((upper - target_upper)[half - 1], (upper + ~target_upper)[half - 1])),
             judging.eq(sampled & ~ending),
         ]
 
@@ -95,7 +96,7 @@ class PositionCompare(wiring.Component):
         at, below, reached = Signal(), Signal(), Signal()
         m.d.comb += [
             at.eq(equal.all()),
-            below.eq((upper - target_upper - borrow)[half - 1]),
+            below.eq(Mux(borrow, signs[1], signs[0])),
             reached.eq(at | ~(below ^ reverse)),
         ]
         m.d.fast += self.fired.eq(0)

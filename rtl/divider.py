@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Divide-by-N pixel clock: one pulse for every N edges of new progress along the active line."""
 
-from amaranth import Cat, Module, Signal, signed
+from amaranth import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, wiring
 from amaranth.lib.wiring import In, Out, connect, flipped
 
@@ -30,8 +30,8 @@ class HighWater(wiring.Component):
     clock before, so ``forward & front & active`` is new progress.
 
     The distance behind the front is ``128 * high + 128 * spare + low``: the spare digit keeps carries and
-    borrows of ``high`` at least 127 steps apart and away from zero, so ``high`` need not be compared in the
-    clock it changes in, however the stage dithers.
+    borrows of ``high`` at least 127 steps apart and away from zero, so ``high`` may follow and be compared
+    clocks later, however the stage dithers.
 
     Members
     -------
@@ -51,18 +51,24 @@ class HighWater(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         low, spare, high = Signal(7), Signal(), Signal(25)
+        carry, borrow = Signal(), Signal()          # ``high`` changes a clock after ``low``
         near = Signal(init=1)                       # ``high`` was 0 one clock ago
-        m.d.fast += near.eq(high == 0)
+        regain = self.forward & ~self.front
+        m.d.fast += [
+            near.eq(high == 0),
+            carry.eq(self.active & self.backward & low.all() & spare),
+            borrow.eq(self.active & regain & (low == 0) & ~spare),
+        ]
         with m.If(~self.active):
-            m.d.fast += [low.eq(0), spare.eq(0), high.eq(0), self.front.eq(1)]
+            m.d.fast += [low.eq(0), spare.eq(0), self.front.eq(1)]
         with m.Elif(self.backward):
-            m.d.fast += [low.eq(low + 1), self.front.eq(0)]
-            with m.If(low.all()):
-                m.d.fast += [spare.eq(1), high.eq(high + spare)]
-        with m.Elif(self.forward & ~self.front):
-            m.d.fast += [low.eq(low - 1), self.front.eq(near & ~spare & (low == 1))]
-            with m.If(low == 0):
-                m.d.fast += [spare.eq(0), high.eq(high - ~spare)]
+            m.d.fast += [low.eq(low + 1), spare.eq(spare | low.all()), self.front.eq(0)]
+        with m.Elif(regain):
+            m.d.fast += [low.eq(low - 1), spare.eq(spare & (low != 0)), self.front.eq(near & ~spare & (low == 1))]
+        with m.If(~self.active):
+            m.d.fast += high.eq(0)
+        with m.Elif(carry | borrow):
+            m.d.fast += high.eq(high + Mux(borrow, -1, 1))
         return m
 
 
@@ -118,41 +124,40 @@ class PixelDivider(wiring.Component):
             count.eq(self.step.count),
         ]
 
-        # Clock 1: progress, and whether it completes a pixel.  ``extra``: one edge more than ``whole``.
-        running, extra = Signal(), Signal()
-        load, prime = Signal(), Signal()
-        progress, complete, last = Signal(), Signal(), Signal()
+        # Clock 1: progress, and whether it completes a pixel.
+        carry, progress, complete, last = Signal(), Signal(), Signal(), Signal()
+        load, priming, primed = Signal(), Signal(), Signal()
         m.d.comb += [
             high_water.active.eq(self.active),
             high_water.forward.eq(forward), high_water.backward.eq(backward),
-            progress.eq(forward & high_water.front & self.active & running),
-            complete.eq(progress & edges.last & ~extra),
+            progress.eq(forward & high_water.front & self.active),
+            complete.eq(progress & edges.last),
             last.eq(complete & pixels.last),
 
-            edges.value.eq(self.settings.whole), edges.load.eq(load | complete),
-            edges.step.eq(progress & ~edges.last),
+            edges.value.eq(self.settings.whole), edges.extra.eq(carry),
+            # After the last pixel there is no load, so no further pixel before ``active`` falls.
+            edges.load.eq(primed | (complete & ~pixels.last)), edges.step.eq(progress),
             pixels.value.eq(self.settings.pixels), pixels.load.eq(load), pixels.step.eq(complete),
         ]
         m.d.fast += [
-            load.eq(self.arm), prime.eq(load),
+            load.eq(self.arm), priming.eq(load | (priming & ~primed)), primed.eq(priming & ~primed),
             self.pixel.eq(complete & self.settings.emit), self.done.eq(last),
         ]
 
+        # One pixel ahead of the edges, so that the carry is ready when they are loaded.
         fraction = Signal(WIDTH)
         with m.If(load):
-            m.d.fast += [fraction.eq(self.settings.phase), running.eq(1)]
-        with m.Else():
-            with m.If(prime | complete):
-                m.d.fast += Cat(fraction, extra).eq(fraction + self.settings.fraction)
-            with m.Elif(progress & edges.last):
-                m.d.fast += extra.eq(0)
-            with m.If(last):
-                m.d.fast += running.eq(0)
+            m.d.fast += fraction.eq(self.settings.phase)
+        with m.Elif(priming | complete):
+            m.d.fast += Cat(fraction, carry).eq(fraction + self.settings.fraction)
 
+        # Clock 2: results.
+        completed, pixel_count = Signal(), Signal(signed(WIDTH))
+        m.d.fast += [completed.eq(complete), pixel_count.eq(count)]
         with m.If(load):
             m.d.fast += [self.produced.eq(0), self.end_position.eq(0)]
-        with m.Elif(complete):
-            m.d.fast += [self.produced.eq(self.produced + 1), self.end_position.eq(count)]
+        with m.Elif(completed):
+            m.d.fast += [self.produced.eq(self.produced + 1), self.end_position.eq(pixel_count)]
         return m
 
 
