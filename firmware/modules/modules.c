@@ -3,8 +3,10 @@
 
 #include <stddef.h>
 
+#include "modules/application.h"
 #include "modules/coordinates.h"
 #include "modules/identity.h"
+#include "modules/info.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
 #include "modules/move.h"
@@ -24,8 +26,10 @@ const struct module *const firmware_modules[] = {
     &status_module,
     &ttl_module,
     &scan_module,
+    &info_module,
     &identity_module,
     &settings_module,
+    &application_module,
     NULL,
 };
 
