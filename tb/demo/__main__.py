@@ -40,6 +40,13 @@ def scenario_of(options) -> Scenario:
                     mirrored=options.mirrored, flood=options.flood, cut_pwm=options.cut_pwm, plant=plant)
 
 
+def power_up(plant_overrides):
+    """The simulated controller with today's gateware and firmware, at time 0."""
+    from tb.sim import controller
+    print("building what changed: gateware, firmware, simulator (minutes, when the gateware is new)", flush=True)
+    return controller.build().power_up(plant_overrides=plant_overrides)
+
+
 def run(scenario: Scenario, directory: Path, make_simulator=None) -> dict:
     """Run a scenario, leave its files in ``directory`` and return the report; ``failures`` is empty when exact.
 
@@ -49,9 +56,7 @@ def run(scenario: Scenario, directory: Path, make_simulator=None) -> dict:
     from .verdict import judge
 
     directory.mkdir(parents=True, exist_ok=True)
-    if make_simulator is None:
-        from .controller import power_up as make_simulator
-    with make_simulator(scenario.plant) as sim:
+    with (make_simulator or power_up)(scenario.plant) as sim:
         outcome = Session(sim, scenario, directory / "pins.vcd").run()
     return judge(scenario, outcome, directory)
 
