@@ -389,5 +389,6 @@ static const char *const build_lines[] = {"SCAN MODULE", "ENC_INT", NULL};
 
 const struct module scan_module = {
     .name = "scan", .commands = commands, .parameters = parameters,
-    .build_lines = build_lines, .poll = scan_run_poll,
+    .build_lines = build_lines,
+    .init = scan_run_init, .poll = scan_run_poll,
 };

@@ -208,6 +208,14 @@ static void finish(void)
     scan.state = SCAN_IDLE;
 }
 
+void scan_run_init(void)
+{
+    compare_disarm();
+    scan.state = SCAN_IDLE;
+    scan.axes = 0;
+    scan.line = 0;
+}
+
 /* End the line in the gateware (SYNC falls, no more pulses) and brake. */
 static void brake(enum scan_state state)
 {

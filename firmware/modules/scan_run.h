@@ -68,6 +68,9 @@ enum scan_state scan_run_state(void);
 /** Lines completed since the start. */
 uint32_t scan_run_lines_done(void);
 
+/** Idle, whatever was going on: start-up and RESET, when the axes have been stopped by others. */
+void scan_run_init(void);
+
 /** One turn of the main loop. */
 void scan_run_poll(void);
 

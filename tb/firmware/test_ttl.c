@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* TTL and the outputs, down to the routes of the pins. */
+#include "check.h"
+
+#include "host/mmio.h"
+#include "port.h"
+#include "regs.h"
+#include "stage.h"
+
+#define ACKNOWLEDGED ":A \r\n"
+#define SEND(text, reply) CHECK_TEXT(port_send(text), reply)
+
+enum source { LOW, HIGH, LINE, PIXEL, DIRECT }; /* as docs/registers.md numbers them */
+
+/* A route: its source, and 16 more when it is inverted. */
+static uint32_t route(uintptr_t address)
+{
+    const uint32_t value = mmio_model_get(address);
+    const uint32_t source =
+        (value & REG_ROUTER_OUT0_SOURCE_MASK) >> REG_ROUTER_OUT0_SOURCE_SHIFT;
+
+    return source + ((value & REG_ROUTER_OUT0_INVERT_MASK) != 0 ? 16 : 0);
+}
+
+#define ROUTES(out0, encoder)                                                                      \
+    do {                                                                                           \
+        CHECK_INT(route(REG_ROUTER_OUT0), out0);                                                   \
+        CHECK_INT(route(REG_ROUTER_ENCODER), encoder);                                             \
+    } while (0)
+
+TEST(queries_name_their_letters)
+{
+    stage_start();
+    SEND("TTL X?", ":A X=0\r\n");
+    SEND("TTL X? Y? F?", ":A X=0 Y=1 F=1\r\n");
+    SEND("ttl  x=1 y=0  f=-1", ACKNOWLEDGED);
+    SEND("TTL F? Y? X?", ":A X=1 Y=0 F=-1\r\n");
+}
+
+TEST(bare_ttl_tells_the_level_of_the_pin)
+{
+    stage_start();
+    SEND("TTL", ":A 1\r\n");
+    SEND("TTL Y=0", ACKNOWLEDGED);
+    SEND("TTL", ":A 0\r\n");
+    SEND("TTL F=-1", ACKNOWLEDGED);
+    SEND("TTL", ":A 1\r\n");
+    SEND("TTL Y=1", ACKNOWLEDGED);
+    SEND("TTL", ":A 0\r\n");
+}
+
+TEST(level_and_polarity_reach_the_pins)
+{
+    stage_start();
+    ROUTES(HIGH, PIXEL);
+    SEND("TTL Y=0", ACKNOWLEDGED);
+    ROUTES(LOW, PIXEL);
+    SEND("TTL F=-1", ACKNOWLEDGED);
+    ROUTES(LOW + 16, PIXEL + 16);
+    SEND("TTL Y=1", ACKNOWLEDGED);
+    ROUTES(HIGH + 16, PIXEL + 16);
+    SEND("TTL F=1", ACKNOWLEDGED);
+    ROUTES(HIGH, PIXEL);
+}
+
+TEST(raw_channel_is_never_inverted)
+{
+    stage_start();
+    SEND("SCANR M=1", ACKNOWLEDGED);
+    ROUTES(HIGH, DIRECT);
+    SEND("TTL F=-1", ACKNOWLEDGED);
+    ROUTES(HIGH + 16, DIRECT);
+    SEND("SCANR M=0", ACKNOWLEDGED);
+    ROUTES(HIGH + 16, PIXEL + 16);
+}
+
+TEST(raw_channel_is_that_of_the_fast_axis_or_as_jumpered)
+{
+    stage_start();
+    CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 0);
+    SEND("SCAN X=2 Y=1 Z=0", ACKNOWLEDGED);
+    CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 1);
+    SEND("SCANV M=3", ACKNOWLEDGED);
+    CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 2);
+    SEND("SCAN X=1 Y=2 Z=0", ACKNOWLEDGED);
+    CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 2);
+    SEND("SCANV M=0", ACKNOWLEDGED);
+    CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 0);
+}
+
+TEST(modes_that_are_not_built_are_refused)
+{
+    stage_start();
+    SEND("TTL X=2", ":N-4\r\n");
+    SEND("TTL X=-1", ":N-4\r\n");
+    SEND("TTL Y=2", ":N-4\r\n");
+    SEND("TTL Y=9 40", ":N-2\r\n");
+    SEND("TTL F=0", ":N-4\r\n");
+    SEND("TTL F=2", ":N-4\r\n");
+    SEND("TTL Q=1", ":N-2\r\n");
+    SEND("TTL Y=0 X=5", ":N-4\r\n"); /* all or nothing */
+    SEND("TTL X? Y? F?", ":A X=0 Y=1 F=1\r\n");
+    ROUTES(HIGH, PIXEL);
+}
+
+TEST_MAIN(RUN(queries_name_their_letters); RUN(bare_ttl_tells_the_level_of_the_pin);
+          RUN(level_and_polarity_reach_the_pins); RUN(raw_channel_is_never_inverted);
+          RUN(raw_channel_is_that_of_the_fast_axis_or_as_jumpered);
+          RUN(modes_that_are_not_built_are_refused))
