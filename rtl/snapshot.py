@@ -59,8 +59,8 @@ class SnapshotPeripheral(wiring.Component):
 
     A request taken by ``sync`` clock 0 latches all ``positions`` and the time together at the 4th ``fast`` edge
     after it (:data:`LATCH_LATENCY`; 5th when the synchroniser resolves late), and is readable 2 ``sync`` edges
-    after that (3 when late).  With ``fast`` at 4 times ``sync`` and in phase: readable after the 3rd ``sync``
-    edge.
+    after that (3 when late).  With ``fast`` at 4 times ``sync``: readable after the 2nd or 3rd ``sync`` edge,
+    by the phase, and 1 or 2 later when late.
 
     A position is that of the pins 3 ``fast`` clocks before (and as many as the axis's filter has samples).
 
