@@ -402,4 +402,6 @@ static const struct command commands[] = {
     {0},
 };
 
-const struct module info_module = {.name = "info", .commands = commands, .poll = settling_poll};
+const struct module info_module = {
+    .name = "info", .commands = commands, .init = settling_init, .poll = settling_poll,
+};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "modules/settling.h"
 
+#include <string.h>
+
 #include "modules/axis.h"
 
 #define FAST_PER_MS 200000.0
@@ -17,6 +19,11 @@ static struct watch {
 const struct settling *settling_of(unsigned axis)
 {
     return &watches[axis].result;
+}
+
+void settling_init(void)
+{
+    memset(watches, 0, sizeof watches);
 }
 
 static void note_arrival(struct watch *w, const struct axis_report *report)
@@ -47,10 +54,10 @@ static void follow(struct watch *w, const struct axis_view *view)
 
 void settling_poll(void)
 {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        struct axis_view view;
+    static unsigned axis;
+    struct axis_view view;
 
-        axis_read(axis, &view);
-        follow(&watches[axis], &view);
-    }
+    axis = (axis + 1) % AXIS_COUNT;
+    axis_read(axis, &view);
+    follow(&watches[axis], &view);
 }

@@ -5,13 +5,16 @@
 
 /** From the end of the set-point's motion to arrival (the pause included). */
 struct settling {
-    double last_ms, mean_ms; /* since power-up; 0 before the first arrival */
-    double error_sum_counts; /* of the settling in progress or the last one, over the ticks seen */
+    double last_ms, mean_ms; /* since start-up; 0 before the first arrival */
+    double error_sum_counts; /* of the settling in progress or the last one, over the turns that looked */
 };
 
 const struct settling *settling_of(unsigned axis);
 
-/** Each turn of the main loop: a motion's end is seen at the first turn after it. */
+/** Forget all of it: start-up and RESET. */
+void settling_init(void);
+
+/** Each turn of the main loop: looks at one axis, so a motion's end is seen AXIS_COUNT turns late. */
 void settling_poll(void);
 
 #endif
