@@ -10,6 +10,9 @@
 
 #define NUMBER_SEED UINT64_C(0x41626265)
 
+/** Vectors run on the target, in simulation. */
+enum { NUMBER_TARGET_COUNT = 150 };
+
 /** Next value: a mix of all magnitudes, of settings-like ones and of exact decimal ties. */
 double number_vector(uint64_t *state, unsigned *decimals);
 

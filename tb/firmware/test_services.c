@@ -169,7 +169,8 @@ TEST(the_first_claim_that_takes_an_action_gets_it)
 
 TEST(start_gives_every_parameter_its_initial_value)
 {
-    port_send("L X=77");
+    start();
+    CHECK_TEXT(port_send("L X=77"), ":A \r\n");
     start();
     CHECK_TEXT(port_send("L X?"), ":A X=5.000000\r\n");
 }
