@@ -39,7 +39,7 @@ class Scenario:
     """
 
     n: str = "24"
-    speed: str = "0.528"
+    speed: str = "2.64"
     axis: str = "x"
     start: str = "0.0"
     stop: str = "1.0"

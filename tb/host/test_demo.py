@@ -31,7 +31,7 @@ def demo(tmp_path, *options, spoil=None, answers=None):
 
 
 def test_the_worked_example_has_1891_pixels_and_12_counts_left_over():
-    scenario = Scenario()
+    scenario = Scenario(speed="0.528")
     assert scenario.pixels() == 1891
     assert scenario.left_over_counts() == 12
     assert scenario.commands() == [
