@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Quadrature decoder: encoder pins to a stream of steps, and its registers."""
 
-from amaranth import Module, Mux, Signal, signed
+from amaranth import Cat, Module, Mux, Signal, signed
 from amaranth.lib import data, wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out, connect, flipped
@@ -150,20 +150,21 @@ class QuadratureDecoder(wiring.Component):
 
         # Judged together with the filters' change of level.  Upward exactly when the new level of A differs
         # from the old level of B; only the case of a single change is used.
-        moved, up, illegal, index = Signal(), Signal(), Signal(), Signal()
+        moved, down, illegal, index = Signal(), Signal(), Signal(), Signal()
         m.d.fast += [
             moved.eq(a.change ^ b.change),
-            up.eq(a.level ^ a.change ^ b.level ^ self.settings.invert),
+            down.eq(~(a.level ^ a.change ^ b.level ^ self.settings.invert)),
             illegal.eq(a.change & b.change),
             index.eq(z.change & ~z.level),
         ]
 
-        # The step is registered before the carry chain.
+        # The step, 1 or -1, is registered as the carry chain wants it: no logic between the two.
         count = self.steps.count
+        step = Cat(1, down.replicate(len(count) - 1)).as_signed()
         with m.If(moved):
-            m.d.fast += count.eq(count + Mux(up, 1, -1))
+            m.d.fast += count.eq(count + step)
         m.d.fast += [
-            self.steps.moved.eq(moved), self.steps.up.eq(up), self.steps.a.eq(a.level),
+            self.steps.moved.eq(moved), self.steps.up.eq(~down), self.steps.a.eq(a.level),
             self.error.eq(illegal), self.index.eq(index),
         ]
 

@@ -53,7 +53,7 @@ class CountsEveryEdge(Proof):
     widths = "count 32, errors 16, polarity any, filter off"
     bugs = {
         "an illegal transition counts": ("a.change ^ b.change", "a.change | b.change"),
-        "the direction is that of the old level": ("up.eq(a.level ^ a.change ^", "up.eq(a.level ^"),
+        "the direction is that of the old level": ("down.eq(~(a.level ^ a.change ^", "down.eq(~(a.level ^"),
         "the polarity is ignored": (" ^ self.settings.invert", ""),
         "the index is taken at the falling edge": ("z.change & ~z.level", "z.change & z.level"),
         "the levels at reset make a step": ("differs.eq((self.i ^ self.level) & ~self.load)",
