@@ -130,6 +130,8 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     figures = Figures(settings, divide, source, count, lines, len(pulses.rising_ps()), grid, outside, widths,
                       _short(pulses, widths, settings.clock_ps, grid.tolerance_ps))
     figures.notes += capture.notes
+    if settings.divide is None:
+        figures.notes.append(f"N = {divide.whole} is taken from the data; one with a fraction must be given")
     if capture.cut_short:
         figures.notes.append("the last line of the file is not complete and was left out")
     _find_moved(figures)

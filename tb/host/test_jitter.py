@@ -63,6 +63,7 @@ def test_exact_line_is_exact(tmp_path):
 def test_n_and_pixels_come_from_the_data_when_not_given(tmp_path):
     figures = analyse(line(n=38).write_vcd(tmp_path / "pins.vcd"))
     assert figures["counts_per_pixel"] == 38
+    assert "N = 38 is taken from the data" in figures["notes"][0]
     assert figures["pixels_expected"] == PIXELS
 
 
