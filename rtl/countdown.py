@@ -11,14 +11,14 @@ LOW_BITS = 8
 
 
 class Countdown(wiring.Component):
-    """Count ``value`` steps, or one more; ``last`` says that the next one is the last.
+    """Count ``value`` steps, or one more, once or over and over; ``last`` says that the next one is the last.
 
-    Domain ``fast``.  ``last`` comes from a flip-flop and is true to every step and load up to the clock before,
-    so a user can load again in the very clock of the last step, down to a value of 1 in every clock.
+    Domain ``fast``; one step per clock.  ``last`` comes from a flip-flop and is true to every step and load up
+    to the clock before, even when it is reloaded with 1 in every clock.
 
-    Only the low byte is compared in the clock it changes in.  The rest follows it by a clock and is compared a
-    clock after that: it can only have become zero when the low byte went from 0 to 255, and is not asked before
-    the low byte is back at 2.
+    Only the low byte is loaded and compared in the clock it changes in.  The rest follows it by a clock and is
+    compared a clock after that: it can only become zero when the low byte goes from 0 to 255, and is not asked
+    before the low byte is back at 2.
 
     Parameters
     ----------
@@ -28,13 +28,15 @@ class Countdown(wiring.Component):
     Members
     -------
     value : In(width)
-        Steps to count, at least 1 (0 counts as 2**width).  A load takes ``value`` of the clock before.
-    extra : In(1)
-        With ``load``: count one step more.
+        Steps to count, at least 1.  A load takes ``value`` of the clock before; a reload needs it still.
     load : In(1)
-        Strobe: begin again.  Wins over ``step``.
+        Strobe: begin.  Wins over ``step``.
+    reload : In(1)
+        The last step begins anew.  Without it the next ``last`` is at least 2**width - 1 steps away.
+    extra : In(1)
+        With a load or reload: count one step more.
     step : In(1)
-        Strobe: one step done.  After the last, without a load, 2**width more follow.
+        Strobe: one step done.
     last : Out(1)
         One step is left.  0 at reset.
     """
@@ -43,35 +45,53 @@ class Countdown(wiring.Component):
         if not isinstance(width, int) or width <= LOW_BITS:
             raise ValueError(f"a countdown needs more than {LOW_BITS} bits, not {width!r}")
         self._width = width
-        super().__init__({"value": In(width), "extra": In(1), "load": In(1), "step": In(1), "last": Out(1)})
+        super().__init__({"value": In(width), "load": In(1), "reload": In(1), "extra": In(1), "step": In(1),
+                          "last": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
         start = Signal(self._width)
         start_one, start_short = Signal(), Signal()
-        m.d.fast += [
-            start.eq(self.value),
-            start_one.eq(self.value == 1),
-            start_short.eq(self.value[LOW_BITS:] == 0),
-        ]
+        with m.If(~self.load):                      # the upper part is still to be taken
+            m.d.fast += [
+                start.eq(self.value),
+                start_one.eq(self.value == 1),
+                start_short.eq(self.value[LOW_BITS:] == 0),
+            ]
 
         # ``one``: the count is 1.  ``more``: after it comes the extra step.
         low, high = Signal(LOW_BITS), Signal(self._width - LOW_BITS)
         one, more = Signal(), Signal()
+        begin, began = Signal(), Signal()
         borrow = Signal()                           # ``high`` is one too many
-        short = Signal()                            # ``high`` was 0 one clock ago, or at the load
-        two = short & (low == 2)
-        m.d.fast += [
-            short.eq(Mux(self.load, start_short, high == 0)),
-            borrow.eq(self.step & ~self.load & (low == 0)),
-            more.eq(Mux(self.load, self.extra, more & ~(self.step & one))),
+        short = Signal()                            # ``high`` was 0 one clock ago, or will be when it is loaded
+        again, stay, two = Signal(), Signal(), Signal()
+        m.d.comb += [
+            again.eq(self.last & self.reload),
+            begin.eq(self.load | (self.step & again)),
+            stay.eq(one & more),
+            two.eq(short & (low == 2)),
         ]
+        # What follows a step depends on registers only; whether there is one comes late in the clock.
         with m.If(self.load):
-            m.d.fast += [low.eq(start), one.eq(start_one), self.last.eq(start_one & ~self.extra)]
+            m.d.fast += [one.eq(start_one), more.eq(self.extra), self.last.eq(start_one & ~self.extra)]
         with m.Elif(self.step):
-            m.d.fast += [low.eq(low - ~(one & more)), one.eq(two | (one & more)),
-                         self.last.eq((one & more) | (two & ~more))]
-        with m.If(self.load):
+            m.d.fast += [
+                one.eq(Mux(again, start_one, two | stay)),
+                more.eq(Mux(again, self.extra, more & ~one)),
+                self.last.eq(Mux(again, start_one & ~self.extra, Mux(more, one, two))),
+            ]
+        with m.If(begin):
+            m.d.fast += low.eq(start)
+        with m.Elif(self.step):
+            m.d.fast += low.eq(low - 1)             # also to 0 before the extra step, where nobody looks
+
+        m.d.fast += [
+            began.eq(begin),
+            short.eq(Mux(begin | began, start_short, high == 0)),
+            borrow.eq(self.step & ~self.load & (low == 0)),
+        ]
+        with m.If(began):
             m.d.fast += high.eq(start[LOW_BITS:])
         with m.Elif(borrow):
             m.d.fast += high.eq(high - 1)

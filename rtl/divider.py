@@ -124,37 +124,41 @@ class PixelDivider(wiring.Component):
             count.eq(self.step.count),
         ]
 
-        # Clock 1: progress, and whether it completes a pixel.
-        carry, progress, complete, last = Signal(), Signal(), Signal(), Signal()
-        load, priming, primed = Signal(), Signal(), Signal()
+        # Clock 1: progress, and whether it completes a pixel.  After the last pixel nothing is reloaded, so
+        # that no other follows before ``active`` falls.
+        progress, complete, extra = Signal(), Signal(), Signal()
+        primed = Signal(3)                          # 1 to 3 clocks after ``arm``
         m.d.comb += [
             high_water.active.eq(self.active),
             high_water.forward.eq(forward), high_water.backward.eq(backward),
             progress.eq(forward & high_water.front & self.active),
             complete.eq(progress & edges.last),
-            last.eq(complete & pixels.last),
-
-            edges.value.eq(self.settings.whole), edges.extra.eq(carry),
-            # After the last pixel there is no load, so no further pixel before ``active`` falls.
-            edges.load.eq(primed | (complete & ~pixels.last)), edges.step.eq(progress),
-            pixels.value.eq(self.settings.pixels), pixels.load.eq(load), pixels.step.eq(complete),
+            edges.value.eq(self.settings.whole), edges.extra.eq(extra),
+            edges.load.eq(primed[2]), edges.reload.eq(~pixels.last), edges.step.eq(progress),
+            pixels.value.eq(self.settings.pixels), pixels.load.eq(primed[1]), pixels.step.eq(complete),
         ]
         m.d.fast += [
-            load.eq(self.arm), priming.eq(load | (priming & ~primed)), primed.eq(priming & ~primed),
-            self.pixel.eq(complete & self.settings.emit), self.done.eq(last),
+            primed.eq(Cat(self.arm, primed)),
+            self.pixel.eq(complete & self.settings.emit), self.done.eq(complete & pixels.last),
         ]
 
-        # One pixel ahead of the edges, so that the carry is ready when they are loaded.
+        # The fraction works ahead and a clock behind the pixels: ``extra`` is the carry for the next reload,
+        # ``after`` the one for the reload after it unless ``carry`` is just about to move there.
         fraction = Signal(WIDTH)
-        with m.If(load):
+        carry, after, following, advance = Signal(), Signal(), Signal(), Signal()
+        m.d.comb += following.eq(Mux(advance, carry, after))
+        m.d.fast += [advance.eq(self.arm | primed.any() | complete), after.eq(following)]
+        with m.If(primed[1:].any() | complete):
+            m.d.fast += extra.eq(following)
+        with m.If(self.arm):
             m.d.fast += fraction.eq(self.settings.phase)
-        with m.Elif(priming | complete):
+        with m.Elif(advance):
             m.d.fast += Cat(fraction, carry).eq(fraction + self.settings.fraction)
 
         # Clock 2: results.
         completed, pixel_count = Signal(), Signal(signed(WIDTH))
         m.d.fast += [completed.eq(complete), pixel_count.eq(count)]
-        with m.If(load):
+        with m.If(primed[0]):
             m.d.fast += [self.produced.eq(0), self.end_position.eq(0)]
         with m.Elif(completed):
             m.d.fast += [self.produced.eq(self.produced + 1), self.end_position.eq(pixel_count)]
