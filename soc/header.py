@@ -2,6 +2,7 @@
 """The C header: one inline function per access, a single load or store on the target."""
 
 import re
+from collections import Counter
 from itertools import groupby
 
 __all__ = ["render_header"]
@@ -113,4 +114,8 @@ def render_header(blocks, constants, interrupts):
     lines += [f"#define INTERRUPT_{name.upper()} {line}u" for name, line in interrupts.items()]
     for block in blocks:
         lines += ["", *block_lines(block)]
+    names = Counter(re.findall(r"^(?:#define|static inline \w+) (\w+)", "\n".join(lines), re.MULTILINE))
+    twice = [name for name, count in names.items() if count > 1]
+    if twice:
+        raise ValueError(f"generated twice: {', '.join(twice)}")
     return "\n".join([*lines, "#endif", ""])

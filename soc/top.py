@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 from typing import Callable
 
-from amaranth import Module
+from amaranth import ClockDomain, Module
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 
@@ -31,6 +31,9 @@ __all__ = ["Abbe", "AXES", "PERIPHERALS", "REGISTERS", "REGIONS"]
 CLOCK_HZ = 50_000_000
 FAST_CLOCK_HZ = 200_000_000
 AXES = 4
+
+DOMAINS = {"sync": "", "fast": "fast_", "cpu": "cpu_"}
+"""Clock domains, and what their pins' names begin with."""
 
 REGIONS = (
     Region("boot", plusarg="boot", address=0x0000_0000, size=8 << 10, writable=False),
@@ -90,6 +93,8 @@ class Abbe(wiring.Component):
 
     Members: pins, all active high.  Inputs are asynchronous, outputs come from flip-flops.
     -------
+    clk, rst, fast_clk, fast_rst, cpu_clk, cpu_rst : In(1)
+        Clocks, and resets that fall in step with them.
     enc_a, enc_b, enc_z : In(4)
         Encoders of X, Y, Z, F; the count goes up when A leads B.
     limit_lower, limit_upper : In(4)
@@ -122,6 +127,7 @@ class Abbe(wiring.Component):
             self._decoder.add(getattr(self._parts[name], p.bus), name=p.name, addr=(p.address - REGISTERS) // 4)
         self.register_map = self._decoder.bus.memory_map
         super().__init__({
+            **{f"{prefix}{signal}": In(1) for prefix in DOMAINS.values() for signal in ("clk", "rst")},
             "enc_a": In(AXES), "enc_b": In(AXES), "enc_z": In(AXES),
             "limit_lower": In(AXES), "limit_upper": In(AXES), "estop": In(1), "in0": In(1), "in1": In(1),
             "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
@@ -132,6 +138,10 @@ class Abbe(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
+        for name, prefix in DOMAINS.items():
+            domain = ClockDomain(name)
+            m.domains += domain
+            m.d.comb += [domain.clk.eq(getattr(self, f"{prefix}clk")), domain.rst.eq(getattr(self, f"{prefix}rst"))]
         for name, part in self._parts.items():
             m.submodules[name] = part
         self._connect_processor(m)

@@ -58,9 +58,9 @@ def build_bench():
 
 
 def run(clocks, *arguments):
-    """Run for a number of ``sync`` clocks; returns ``([(clock, pin, level)], clocks left out)``."""
-    done = subprocess.run([build_bench(), *arguments, str(clocks), f"+boot={build_program()}"],
-                          capture_output=True, text=True, check=True)
+    """Run the program for a number of ``sync`` clocks; returns ``([(clock, pin, level)], clocks left out)``."""
+    command = [build_bench(), *arguments, str(clocks), f"+boot={build_program()}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
     events = [(int(clock), pin, int(level)) for clock, pin, level in map(str.split, done.stdout.splitlines())]
     left_out = int(done.stderr.split("left out ")[1].split()[0])
     return events, left_out

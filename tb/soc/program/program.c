@@ -174,33 +174,39 @@ static void bus_times(void)
 }
 
 /* One alarm after `wait` clocks of `work`; returns clocks from the alarm to the first load of the handler. */
-static uint32_t latency(uint32_t wait, void (*work)(void))
+static uint32_t latency(uint32_t wait, void (*work)(uint32_t before))
 {
     uint32_t before = handled;
     uint32_t alarm = timer_count_read() + wait;
     timer_alarm_write(alarm);
     timer_control_write(REG_TIMER_CONTROL_ARM_MASK);
     while (handled == before)
-        work();
+        work(before);
     return handled_at - alarm;
 }
 
-static void sleeping(void)
+/* Sleep until `handled` is no longer `before`.  Judged with interrupts forbidden: none can slip in before wfi. */
+static void sleep_while(uint32_t before)
 {
-    /* Asleep only until an interrupt: with them forbidden none is missed between the test and wfi. */
-    forbid_interrupts();
-    __asm__ volatile("wfi");
-    allow_interrupts();
+    while (handled == before) {
+        forbid_interrupts();
+        if (handled == before)
+            __asm__ volatile("wfi");
+        allow_interrupts();
+    }
 }
 
-static void dividing(void)
+
+static void dividing(uint32_t before)
 {
+    (void)before;
     uint32_t a = handled | 0x80000001u, b = 3;
     __asm__ volatile("div %0, %0, %1\n div %0, %0, %1\n div %0, %0, %1" : "+r"(a) : "r"(b));
 }
 
-static void missing(void)
+static void missing(uint32_t before)
 {
+    (void)before;
     /* A new line of the data cache with every load, and a new line of the other with every pass. */
     static uint32_t offset;
     offset = offset < 0x14000 ? offset + 4128 : 0;
@@ -209,14 +215,15 @@ static void missing(void)
     __asm__ volatile("fence.i");
 }
 
-static void spinning(void)
+static void spinning(uint32_t before)
 {
+    (void)before;
 }
 
 static void latencies(void)
 {
-    static const struct { const char *name; void (*work)(void); } works[] = {
-        {"latency sleeping", sleeping}, {"latency spinning", spinning},
+    static const struct { const char *name; void (*work)(uint32_t before); } works[] = {
+        {"latency sleeping", sleep_while}, {"latency spinning", spinning},
         {"latency dividing", dividing}, {"latency missing", missing},
     };
     enable_lines(1u << INTERRUPT_TIMER);
@@ -273,15 +280,15 @@ static void each_line(void)
 /* The serial line is looped back by the bench while its own byte is on it. */
 static void echo(void)
 {
-    while (serial_status_rx_ready_get())
-        (void)serial_data_read();
     while (!serial_status_tx_idle_get())
         ;
-    (void)serial_data_read();
+    while (serial_status_rx_ready_get())
+        (void)serial_data_read();
     print("U");
     while (!serial_status_rx_ready_get())
         ;
-    line2("echo", serial_data_read(), serial_data_read());
+    uint32_t first = serial_data_read(), second = serial_data_read();
+    line2("echo", first, second);
 }
 
 /* Sleep from tick to tick; when each handler ran is a fact that must not depend on how the clock is driven. */
@@ -293,8 +300,7 @@ static void ticks(void)
     allow_interrupts();
     for (uint32_t n = 0; n < 64; n++) {
         uint32_t before = handled;
-        while (handled == before)
-            sleeping();
+        sleep_while(before);
         uint32_t period = handled_at - last;
         last = handled_at;
         if (n) {
@@ -303,8 +309,8 @@ static void ticks(void)
         }
         sum = (sum << 1 | sum >> 31) + handled_at;
         /* Work of varying length between the ticks. */
-        for (uint32_t work = 0; work < (n & 7) * 40; work++)
-            dividing();
+        for (uint32_t work = 0; work < (n & 7) * 8; work++)
+            dividing(before);
     }
     forbid_interrupts();
     line2("ticks", least, most);
@@ -322,5 +328,6 @@ void program(void)
     each_line();
     echo();
     ticks();
+    enable_lines(0);
     print("end\n");
 }
