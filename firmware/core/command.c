@@ -24,16 +24,24 @@ const struct module *const *command_modules(void)
     return modules;
 }
 
+/* Most comparisons end at the first character; they need no call. */
+static bool is_same(const char *a, const char *b)
+{
+    return a[0] == b[0] && strcmp(a, b) == 0;
+}
+
+static bool is_named(const struct command *row, const char *verb)
+{
+    return is_same(row->name, verb) || (row->shortcut != NULL && is_same(row->shortcut, verb));
+}
+
 const struct command *command_find(const char *verb)
 {
-    if (verb[0] == '\0')
-        return NULL;
     for (unsigned m = 0; modules[m] != NULL; m++) {
         const struct command *row = modules[m]->commands;
 
         for (; row != NULL && row->name != NULL; row++)
-            if (strcmp(row->name, verb) == 0 ||
-                (row->shortcut != NULL && strcmp(row->shortcut, verb) == 0))
+            if (is_named(row, verb))
                 return row;
     }
     return NULL;
@@ -53,7 +61,7 @@ static struct target find_target(const struct command *command, char letter)
         const struct parameter *row = modules[m]->parameters;
 
         for (; row != NULL && row->command != NULL; row++) {
-            if (strcmp(row->command, command->name) != 0)
+            if (!is_same(row->command, command->name))
                 continue;
             if (row->letter == letter)
                 return (struct target){row, 0};
@@ -233,13 +241,16 @@ static void print_queries(const struct command *command, const struct request *r
 {
     reply_open(reply, command->form);
     for (const char *letter = reply_order; *letter != '\0'; letter++) {
-        struct target target = find_target(command, *letter);
         bool asked = false;
 
         for (size_t i = 0; i < request->count; i++)
             asked |= request->arguments[i].letter == *letter &&
                      request->arguments[i].kind == ARGUMENT_QUERY;
-        if (!asked || target.parameter == NULL)
+        struct target target = {NULL, 0};
+
+        if (asked)
+            target = find_target(command, *letter);
+        if (target.parameter == NULL)
             continue;
         reply_field(reply, *letter);
         print_value(reply, target.parameter, target.axis);
@@ -284,8 +295,11 @@ void command_urgent(const char *line, size_t length)
     char verb[VERB_MAX + 1];
 
     parser_verb(line, length, verb);
-    const struct command *command = command_find(verb);
+    for (unsigned m = 0; modules[m] != NULL; m++) {
+        const struct command *row = modules[m]->commands;
 
-    if (command != NULL && command->urgent != NULL)
-        command->urgent();
+        for (; row != NULL && row->name != NULL; row++)
+            if (row->urgent != NULL && is_named(row, verb))
+                row->urgent();
+    }
 }

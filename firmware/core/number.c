@@ -123,7 +123,9 @@ static bool divide(struct bignum *numerator, struct bignum *denominator, double 
     }
 
     /* Now 1 <= numerator / denominator < 2, and the value is that times 2^exponent. */
-    for (int i = 0; i < MANTISSA_BITS + 2; i++) {
+    int bits = MANTISSA_BITS + 2;
+
+    for (; bits > 0 && numerator->used > 0; bits--) {
         quotient <<= 1;
         if (bignum_compare(numerator, denominator) >= 0) {
             bignum_subtract(numerator, denominator);
@@ -131,6 +133,7 @@ static bool divide(struct bignum *numerator, struct bignum *denominator, double 
         }
         bignum_shift_left(numerator, 1);
     }
+    quotient <<= bits;
 
     bool half = (quotient & 1) != 0, odd = (quotient & 2) != 0;
     quotient >>= 1;

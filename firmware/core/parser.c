@@ -159,7 +159,10 @@ enum status parser_parse(const char *line, size_t length, struct request *reques
     struct cursor cursor = {.at = line, .end = line + length};
     enum status status = STATUS_OK;
 
-    memset(request, 0, sizeof *request);
+    request->count = 0;
+    request->text = NULL;
+    request->text_length = 0;
+    request->text_closed = false;
     skip_blanks(&cursor);
     take_verb(&cursor, request->verb);
     skip_blanks(&cursor);

@@ -9,7 +9,11 @@ double reply_position_decimals = 1;
 
 void reply_clear(struct reply *reply)
 {
-    memset(reply, 0, sizeof *reply);
+    reply->step = 0;
+    reply->length = 0;
+    reply->sent = 0;
+    reply->overflow = false;
+    reply->opened = false;
 }
 
 void reply_char(struct reply *reply, char character)
