@@ -17,7 +17,7 @@ from .scenario import AXES, Scenario
 STEP_PS = 2 * MS
 POLL_PS = 10 * MS
 REST_PS = 20 * MS                                            # recorded after the scan, the stage at rest
-CUT_PS = 400 * MS                                            # recorded after the wire is cut
+CUT_PS = 200 * MS                                            # recorded after the wire is cut
 
 
 @dataclass
