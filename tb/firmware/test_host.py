@@ -21,7 +21,7 @@ def sentences():
             yield pytest.param(source.stem, name, id=f"{source.stem}-{name}")
 
 
-@pytest.mark.parametrize("stem, sentence", sentences())
+@pytest.mark.parametrize("stem, sentence", list(sentences()))
 def test_firmware(stem, sentence):
     run = subprocess.run([build(f"host/{stem}"), sentence], capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stdout + run.stderr
