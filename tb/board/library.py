@@ -12,15 +12,22 @@ FLAGS = ["-std=c++17", "-O3", "-fPIC", "-ffp-contract=off", "-Wall", "-Wextra", 
 
 
 @contextmanager
+def exclusive(path):
+    """Hold a lock file, made if need be, against other processes that ask for it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
 def cached(directory):
-    """Hold ``directory`` against other processes; yields whether it still has to be filled.
+    """Hold ``directory``; yields whether it still has to be filled.
 
     It counts as filled once the body has ended without an exception.
     """
-    directory.mkdir(parents=True, exist_ok=True)
     done = directory / "done"
-    with open(directory / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with exclusive(directory / "lock"):
         yield not done.exists()
         done.touch()
 

@@ -4,13 +4,13 @@
 What is up to date is not built again; the images are for ``$readmemh``, one for each memory of the SoC.
 """
 
-import contextlib
-import fcntl
+import shutil
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 from tb import toolchain
+from tb.board.library import cached, exclusive
 from tb.sim.simulator import Simulator
 
 FIRMWARE = toolchain.BUILD / "firmware" / "abbe.elf"
@@ -62,27 +62,38 @@ def write_images(elf, directory):
     for address, data in segments:
         if not any(region.address <= address < region.address + region.size for region in REGIONS):
             raise ValueError(f"{len(data)} bytes at {address:#x} belong to no memory")
-    images = {}
+    images = {region.plusarg: directory / f"{region.plusarg}.hex" for region in REGIONS}
     for region in REGIONS:
-        images[region.plusarg] = directory / f"{region.plusarg}.hex"
         images[region.plusarg].write_text(hex_words(segments, region.address, region.size))
     return images
 
 
-@contextlib.contextmanager
-def _alone(path):
-    """One process at a time."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path, "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
+def write_verilog():
+    """Path of the gateware's Verilog; elaborates the design only if a source has changed, which takes seconds."""
+    root, result = toolchain.ROOT, toolchain.BUILD / "soc" / "abbe.v"
+    sources = [*root.glob("rtl/**/*.py"), *root.glob("soc/**/*.py"), *root.glob("soc/**/*.v"),
+               root / "tb" / "toolchain.py", root / "requirements.txt"]
+    key = toolchain.content_key(*sorted(sources))
+    stamp = toolchain.BUILD / "sim" / "gateware.key"
+    if not (result.exists() and stamp.exists() and stamp.read_text() == key):
+        from soc import verilog
+        stamp.unlink(missing_ok=True)
+        verilog.write(result.parent)
+        stamp.write_text(key)
+    return result
 
 
 def build():
-    """Build what is missing or out of date; returns the :class:`Controller`."""
-    from soc import verilog
-    with _alone(toolchain.BUILD / "sim" / "controller.lock"):
-        design = verilog.write(toolchain.BUILD / "soc")
-        toolchain.run(["make", "--no-print-directory", "firmware"], cwd=toolchain.ROOT)
-        images = write_images(FIRMWARE, FIRMWARE.parent)
-    return Controller(verilog=design, **images)
+    """Build what is missing or out of date; returns the :class:`Controller`.
+
+    Its files are copies, named by content: a later build does not change them under a running simulation.
+    """
+    with exclusive(toolchain.BUILD / "sim" / "controller.lock"):
+        verilog = write_verilog()
+        toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
+        directory = toolchain.BUILD / "sim" / "controller" / toolchain.content_key(verilog, FIRMWARE)
+        with cached(directory) as empty:
+            if empty:
+                shutil.copy(verilog, directory)
+                write_images(FIRMWARE, directory)
+    return Controller(*(directory / name for name in ("abbe.v", "boot.hex", "firmware.hex")))
