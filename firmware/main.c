@@ -45,6 +45,8 @@ int main(void)
         stay();
     for (;;) {
         application_poll();
-        interrupts_sleep_unless(application_busy);
+        do
+            interrupts_sleep_unless(application_busy);
+        while (!application_busy());
     }
 }

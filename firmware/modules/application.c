@@ -19,8 +19,17 @@
 static const uint32_t LINES =
     INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
 
+/* Ticks between two turns of the main loop that nothing else asks for: a millisecond. */
+#define TICKS_PER_TURN 5u
+
 static struct console console;
 static bool reset_wanted;
+
+/* Another turn of the main loop is due. Set by the interrupts, cleared by the main loop. */
+static volatile bool turn_due;
+
+/* Of the interrupt. */
+static uint32_t ticks_to_turn;
 
 /* Put everything in its state after power-up: axes at rest at 0, saved settings. */
 static void start(void)
@@ -62,6 +71,7 @@ bool application_init(void)
 
 void application_poll(void)
 {
+    turn_due = false;
     console_poll(&console);
     fault_poll();
     events_poll();
@@ -78,7 +88,7 @@ void application_poll(void)
 
 bool application_busy(void)
 {
-    return !console_idle(&console) || ring_used(serial_receive_ring()) > 0;
+    return turn_due || !console_idle(&console);
 }
 
 void application_interrupt(void)
@@ -86,8 +96,16 @@ void application_interrupt(void)
     uint32_t lines = interrupts_pending();
 
     /* The tick first: the duty it computes is taken at the next PWM period. */
-    if ((lines & INTERRUPTS_TICK) != 0)
+    if ((lines & INTERRUPTS_TICK) != 0) {
         axis_tick();
+        if (ticks_to_turn-- == 0) {
+            ticks_to_turn = TICKS_PER_TURN - 1;
+            turn_due = true;
+        }
+    }
+    if ((lines & ~(uint32_t)INTERRUPTS_TICK) == 0)
+        return;
+    turn_due = true;
     if ((lines & INTERRUPTS_SERIAL) != 0)
         serial_interrupt();
     if ((lines & INTERRUPTS_TIMER) != 0)

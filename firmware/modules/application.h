@@ -27,7 +27,7 @@ extern const struct module application_module;
 /** One turn of the main loop. */
 void application_poll(void);
 
-/** Whether another turn has something to do now. May be called with interrupts held. */
+/** Whether another turn is due; without other reasons, once a millisecond. */
 bool application_busy(void);
 
 /** Serve all interrupt lines that request. */

@@ -23,29 +23,36 @@ struct handover {
     const struct profile_plan *plan;
 };
 
+/* What each tick touches stands together: the data cache is small. */
 struct axis {
-    /* The interrupt's. */
-    struct profile_state profile;
-    struct loop_state loop;
-    uint64_t begin_tick; /* of the plan in progress */
-    bool off; /* must not or cannot be driven */
-    bool fault;
-    uint32_t enables_seen;
-    bool limit_lower, limit_upper;
-    bool limit_at_start;
-    struct axis_report report;
-
     /* The main loop's. */
-    struct profile_plan plans[2];
-    struct profile_plan *spare; /* the one of them that is not in use */
-    struct loop_config configs[2];
     const struct loop_config *volatile config;
     volatile bool enabled;
     volatile uint32_t enables; /* times it was switched on */
     struct handover handover;
+
+    /* The interrupt's. */
+    uint32_t enables_seen;
+    const struct loop_config *config_seen;
+    bool off; /* must not or cannot be driven */
+    bool fault;
+    bool limit_lower, limit_upper;
+    bool limit_at_start;
+    struct profile_state profile;
+    struct loop_state loop;
+    uint64_t begin_tick; /* of the plan in progress */
+    struct axis_report report;
+};
+
+/* What the main loop prepares for an axis, in pairs: one in use, one spare. */
+struct preparation {
+    struct profile_plan plans[2];
+    struct profile_plan *spare;
+    struct loop_config configs[2];
 };
 
 static struct axis axes[AXIS_COUNT];
+static struct preparation preparations[AXIS_COUNT];
 
 /* Written by the interrupt. The main loop reads `ticks` before and after what is of one tick. */
 static volatile uint64_t ticks;
@@ -120,11 +127,22 @@ static void note_fault(struct axis *a, enum loop_fault fault)
     a->fault = fault != LOOP_NOT_SETTLED;
 }
 
+/* At rest, not moved since, and nothing asked for: this tick would change nothing. */
+static bool rests(const struct axis *a, int32_t position_counts, bool inhibited)
+{
+    return a->loop.mode == LOOP_IDLE && a->loop.still_ticks > LOOP_LEAD_TICKS &&
+           position_counts == a->loop.position_counts && a->profile.plan == NULL &&
+           a->handover.state == AXIS_HANDOVER_NONE && a->enabled && !inhibited &&
+           a->config == a->config_seen;
+}
+
 static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
 {
     bool regulated, commanded;
     int32_t duty;
 
+    if (rests(a, position_counts, inhibited))
+        return 0;
     supervise(a, inhibited);
     profile_tick(&a->profile);
     take_handover(a);
@@ -136,7 +154,8 @@ static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
 
     regulated = a->loop.mode != LOOP_FREE;
     commanded = a->loop.commanded;
-    duty = loop_tick(a->config, &a->loop, &a->profile, position_counts);
+    a->config_seen = a->config;
+    duty = loop_tick(a->config_seen, &a->loop, &a->profile, position_counts);
     if (regulated && a->loop.mode == LOOP_FREE)
         note_fault(a, a->loop.fault);
     else if (commanded && a->loop.mode == LOOP_IDLE) {
@@ -188,10 +207,11 @@ void axis_init(void)
     cycles_last = 0;
     cycles_max = 0;
     memset(axes, 0, sizeof axes);
+    memset(preparations, 0, sizeof preparations);
     for (unsigned i = 0; i < AXIS_COUNT; i++) {
         struct axis *a = &axes[i];
 
-        a->config = &a->configs[0];
+        a->config = &preparations[i].configs[0];
         a->loop.position_counts = snapshot.position_counts[i];
         profile_rest(&a->profile, (int64_t)snapshot.position_counts[i] * (INT64_C(1) << 32));
         loop_free(&a->loop, LOOP_NO_FAULT);
@@ -283,7 +303,8 @@ struct profile_point axis_predict(unsigned axis, uint64_t tick)
 void axis_configure(unsigned axis, const struct loop_config *config)
 {
     struct axis *a = &axes[axis];
-    struct loop_config *spare = a->config == &a->configs[0] ? &a->configs[1] : &a->configs[0];
+    struct loop_config *configs = preparations[axis].configs;
+    struct loop_config *spare = a->config == &configs[0] ? &configs[1] : &configs[0];
 
     *spare = *config;
     atomic_signal_fence(memory_order_release);
@@ -307,19 +328,20 @@ bool axis_enabled(unsigned axis)
 struct profile_plan *axis_plan(unsigned axis)
 {
     struct axis *a = &axes[axis];
+    struct preparation *p = &preparations[axis];
 
     /* From here on the plan in use does not change, but it may end: so remember the other one. */
     a->handover.state = AXIS_HANDOVER_NONE;
     atomic_signal_fence(memory_order_seq_cst);
-    a->spare = a->profile.plan == &a->plans[0] ? &a->plans[1] : &a->plans[0];
-    return a->spare;
+    p->spare = a->profile.plan == &p->plans[0] ? &p->plans[1] : &p->plans[0];
+    return p->spare;
 }
 
 void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick)
 {
     struct axis *a = &axes[axis];
 
-    a->handover.plan = a->spare;
+    a->handover.plan = preparations[axis].spare;
     a->handover.start = *start;
     a->handover.tick = tick;
     atomic_signal_fence(memory_order_release);

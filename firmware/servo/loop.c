@@ -120,33 +120,40 @@ static void supervise(const struct loop_config *cfg, struct loop_state *st, int3
 }
 
 /* Note this tick's set-point; return the one of lead_ticks ago. */
-static int64_t delayed_q8(const struct loop_config *cfg, struct loop_state *st,
-                          const struct profile_state *profile)
+static int64_t delayed_q32(const struct loop_config *cfg, struct loop_state *st,
+                           const struct profile_state *profile)
 {
     if (profile_moving(profile))
         st->late_ticks = cfg->lead_ticks + 1;
     else if (st->late_ticks > 0)
         st->late_ticks--;
     st->newest = (st->newest + 1) % LOOP_LEAD_TICKS;
-    st->setpoint_q8[st->newest] = profile->now.position_q32 >> 24;
-    return st->setpoint_q8[(st->newest - cfg->lead_ticks) % LOOP_LEAD_TICKS];
+    st->setpoint_q32[st->newest] = profile->now.position_q32;
+    return st->setpoint_q32[(st->newest - cfg->lead_ticks) % LOOP_LEAD_TICKS];
+}
+
+/* Set-point minus position: whole counts to st->error_counts, and with 8 fraction bits, clamped. In
+ * 32 bits: the difference of two positions wraps like the encoder's counter. */
+static int32_t take_error_q8(struct loop_state *st, int64_t setpoint_q32, int32_t position_counts)
+{
+    uint32_t whole = (uint32_t)(setpoint_q32 >> 32) - (uint32_t)position_counts;
+    int32_t fraction_q8 = (int32_t)((uint32_t)setpoint_q32 >> 24);
+
+    st->error_counts = (int32_t)whole;
+    return pid_clamp(st->error_counts, PID_ERROR_LIMIT_Q8 / 256) * 256 + fraction_q8;
 }
 
 int32_t loop_tick(const struct loop_config *cfg, struct loop_state *st,
                   const struct profile_state *profile, int32_t position_counts)
 {
-    /* Subtract with 8 fraction bits: both terms are below 2^40 whatever the set-point is. */
-    int64_t difference_q8 = delayed_q8(cfg, st, profile) - (int64_t)position_counts * 256;
-    int32_t error_q8 = (int32_t)pid_clamp(difference_q8, PID_ERROR_LIMIT_Q8);
-
     int32_t moved_counts = (int32_t)((uint32_t)position_counts - (uint32_t)st->position_counts);
+    int32_t error_q8 = take_error_q8(st, delayed_q32(cfg, st, profile), position_counts);
 
-    st->error_counts = (int32_t)pid_clamp(difference_q8 / 256, INT32_MAX);
+    st->position_counts = position_counts;
     if (moved_counts != 0)
         st->still_ticks = 0;
     else if (st->still_ticks < UINT32_MAX)
         st->still_ticks++;
-    st->position_counts = position_counts;
 
     if (st->mode != LOOP_FREE && st->mode != LOOP_IDLE)
         supervise(cfg, st, moved_counts);
@@ -161,10 +168,10 @@ int32_t loop_tick(const struct loop_config *cfg, struct loop_state *st,
         st->duty_steps = settle(cfg, st, error_q8);
         break;
     case LOOP_TRACK:
-        st->duty_steps = pid_tick(
-            &cfg->pid, &st->pid, error_q8,
-            (int32_t)pid_clamp(profile->now.velocity_q32 >> 16, PID_VELOCITY_LIMIT_Q16),
-            (int32_t)pid_clamp(profile->half_acceleration_q32 >> 11, PID_ACCELERATION_LIMIT_Q20));
+        /* Acceleration with 20 fraction bits is twice the half with 21. */
+        st->duty_steps = pid_tick(&cfg->pid, &st->pid, error_q8,
+                                  (int32_t)(profile->now.velocity_q32 >> 16),
+                                  (int32_t)(profile->half_acceleration_q32 >> 11));
         break;
     }
     return st->duty_steps;

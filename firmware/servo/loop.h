@@ -38,7 +38,7 @@ enum loop_fault {
  * A drive takes time to become torque (PWM period, winding). So the feed-forward follows the
  * set-point of now, and the axis is expected at the set-point of `lead_ticks` ago.
  */
-#define LOOP_LEAD_TICKS 16u
+#define LOOP_LEAD_TICKS 8u
 
 /** Settings, read-only in the interrupt. Errors are magnitudes in counts. */
 struct loop_config {
@@ -57,15 +57,10 @@ struct loop_config {
 
 /** All it remembers. */
 struct loop_state {
-    struct pid_state pid;
-    struct nudge_state nudge;
-    int64_t setpoint_q8[LOOP_LEAD_TICKS]; /**< The last ones, counts; a ring. */
-    uint32_t newest;                      /**< Index of the last one. */
-    uint32_t late_ticks;                  /**< Ticks for which the delayed set-point still moves. */
     enum loop_mode mode;
     enum loop_fault fault;   /**< Why the mode became FREE; kept until loop_rest. */
     bool commanded;          /**< The motion in progress was asked for. Clear in IDLE and FREE. */
-    int32_t error_counts;    /**< Delayed set-point minus position at the last tick, saturated. */
+    int32_t error_counts;    /**< Delayed set-point minus position, last tick, floor. */
     int32_t duty_steps;      /**< Output of the last tick. */
     int32_t position_counts; /**< Of the last tick. */
     uint32_t mode_ticks;     /**< Ticks in WAIT, or of nudging in SETTLE. */
@@ -73,6 +68,11 @@ struct loop_state {
     uint32_t still_ticks;    /**< Ticks in a row without a change of position; saturates. */
     uint32_t dead_ticks;     /**< Ticks in a row of full drive without one. */
     uint32_t away_ticks;     /**< Ticks of moving away less ticks of coming nearer. */
+    uint32_t late_ticks;     /**< Ticks for which the delayed set-point still moves. */
+    uint32_t newest;         /**< Index of the last set-point in the ring. */
+    struct pid_state pid;
+    struct nudge_state nudge;
+    int64_t setpoint_q32[LOOP_LEAD_TICKS]; /**< Ring of the last ones, counts. */
 };
 
 /** Stop regulating at once. */
