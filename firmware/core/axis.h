@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** Axis letters and numbers. Axis n is the hardware channel n and the n-th letter of AXIS_LETTERS. */
+/** Axis letters and numbers. Axis n is hardware channel n, letter n of AXIS_LETTERS. */
 #ifndef CORE_AXIS_H
 #define CORE_AXIS_H
 

@@ -38,8 +38,8 @@ struct command {
     uint8_t flags;        /* enum command_flags */
 
     /**
-     * Arguments that are no parameter rows go to `run`: the kinds it takes (enum argument_kind, or-ed)
-     * and the letters (NULL: the fitted axes). Others are :N-4 and :N-2.
+     * Arguments that are no parameter rows go to `run`: the kinds it takes (enum argument_kind,
+     * or-ed) and the letters (NULL: the fitted axes). Others are :N-4 and :N-2.
      */
     uint8_t accepts;
     const char *letters;
@@ -99,7 +99,7 @@ struct parameter {
     double *value; /* one, or AXIS_COUNT of them; NULL when `get` and `set` do it all */
 
     /* All optional. `axis` is 0 for a parameter that is not per axis. */
-    enum status (*check)(unsigned axis, double value); /* refuse a value in range; changes nothing */
+    enum status (*check)(unsigned axis, double value); /* refuse it; changes nothing */
     double (*adjust)(unsigned axis, double value);     /* what is stored instead (cut to counts) */
     void (*set)(unsigned axis, double value);          /* after the value is stored */
     double (*get)(unsigned axis);                      /* what a query prints instead of `value` */

@@ -16,7 +16,7 @@ struct hooks {
     uint8_t main_count, interrupt_count;
 };
 
-/* Events on their way to the main hooks; one producer each (main loop, interrupts), one consumer. */
+/* Events on their way to the main hooks; one producer each, main loop or interrupts. */
 struct queue {
     struct event events[EVENT_QUEUE];
     _Atomic uint32_t head, tail;

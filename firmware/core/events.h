@@ -5,7 +5,8 @@
  * A hook is of one of two kinds. An INTERRUPT hook runs inside events_publish, whatever the context
  * of the publisher: it does the least and shares data through rings or snapshots only. A MAIN hook
  * runs later, in events_poll, from a queue of EVENT_QUEUE entries in order of publication. An event
- * nobody subscribes to costs a table look-up. A full queue drops the event and logs FAULT_TASK_OVERTIME.
+ * nobody subscribes to costs a table look-up. A full queue drops the event; events_poll then logs
+ * FAULT_TASK_OVERTIME.
  */
 #ifndef CORE_EVENTS_H
 #define CORE_EVENTS_H
@@ -15,7 +16,7 @@
 
 enum event_name {
     EVENT_NONE,         /* ends a table */
-    EVENT_SERVO_TICK,   /* every tick, after the step; argument: tick number. Interrupt hooks only */
+    EVENT_SERVO_TICK,   /* each tick, after the step; argument: its number. Interrupt hooks only */
     EVENT_MOVE_DONE,    /* a commanded move has ended and settled; argument: axis */
     EVENT_BUSY,         /* the answer of STATUS changed; argument: 1 busy, 0 not */
     EVENT_HALT,         /* everything was stopped; argument: 1 when that ended a commanded move */

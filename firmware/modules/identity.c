@@ -59,7 +59,14 @@ static const char *module_line(unsigned n)
     return NULL;
 }
 
-enum build_line { BUILD_NAME, BUILD_AXES, BUILD_LETTERS, BUILD_BOOT, BUILD_HARDWARE, BUILD_MODULES };
+enum build_line {
+    BUILD_NAME,
+    BUILD_AXES,
+    BUILD_LETTERS,
+    BUILD_BOOT,
+    BUILD_HARDWARE,
+    BUILD_MODULES, /* and one more for each further line */
+};
 
 static void write_build_line(struct reply *reply, unsigned n)
 {

@@ -29,7 +29,7 @@ static const struct command commands[] = {
     {
         .name = "SAVESET", .shortcut = "SS", .run = saveset, .flags = COMMAND_NEEDS_ARGUMENT,
         .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL,
-        .summary = "Z saves the settings, Y restores them, X asks for factory values at next start.",
+        .summary = "Z saves the settings, Y restores them, X: factory values at the next start.",
     },
     {
         .name = "VB", .form = FORM_P, .summary = "Forms of replies.",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Axes fitted and not fitted, for whatever AXIS_COUNT this is built with (test_axes.py: for others). */
+/* Axes fitted and not fitted, for the AXIS_COUNT this is built with (test_axes.py: another). */
 #include "check.h"
 #include "core/axis.h"
 #include "machine.h"

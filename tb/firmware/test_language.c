@@ -124,7 +124,7 @@ static const char *one_of(const char *const *list, size_t count)
 }
 #define ONE_OF(list) one_of(list, sizeof list / sizeof *list)
 
-/* A line of the language, mostly: verb, arguments, here and there something that is out of place. */
+/* A line of the language, mostly: verb, arguments, here and there something out of place. */
 static void random_line(char *text)
 {
     static const char *const verbs[] = {
