@@ -37,7 +37,8 @@ class Receiver(wiring.Component):
     """Bytes from the pin.  Domain ``sync``.
 
     A frame that does not end in a stop bit is dropped and reported, and nothing is received again until the
-    line has been high: a break of any length is one error and no byte.
+    line has been high: a break of any length is one error and no byte.  A far end that is 3 % fast or slow is
+    understood from 16 clocks per bit up.
 
     Members
     -------

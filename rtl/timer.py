@@ -17,6 +17,11 @@ __all__ = ["Timer", "TimerPeripheral"]
 class Timer(wiring.Component):
     """A 64-bit counter with a one-shot alarm.  Domain ``sync``.
 
+    Parameters
+    ----------
+    init : int
+        ``count`` at reset.
+
     Members
     -------
     count : Out(64)
@@ -32,12 +37,9 @@ class Timer(wiring.Component):
         ``count`` equals ``alarm``; an alarm at most 2^31 clocks in the past expires 2 clocks after ``arm``.
     """
 
-    count: Out(64)
-    alarm: In(32)
-    arm: In(1)
-    cancel: In(1)
-    armed: Out(1)
-    expired: Out(1)
+    def __init__(self, *, init=0):
+        super().__init__({"count": Out(64, init=init), "alarm": In(32), "arm": In(1), "cancel": In(1),
+                          "armed": Out(1), "expired": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
@@ -56,7 +58,13 @@ class Timer(wiring.Component):
 
 
 class TimerPeripheral(wiring.Component):
-    """The timer on the CSR bus.  Domain ``sync``.  ``interrupt`` is high while ``Interrupt.alarm`` is set."""
+    """The timer on the CSR bus.  Domain ``sync``.  ``interrupt`` is high while ``Interrupt.alarm`` is set.
+
+    Parameters
+    ----------
+    init : int
+        The count at reset.
+    """
 
     class Count(Register, access="r"):
         """Live count, for intervals up to 85 s."""
@@ -89,7 +97,8 @@ class TimerPeripheral(wiring.Component):
         """Interrupt requests; a set bit holds the interrupt line."""
         alarm: Field(action.RW1C, 1, doc="The alarm expired. Write 1 to clear.")
 
-    def __init__(self):
+    def __init__(self, *, init=0):
+        self._timer = Timer(init=init)
         self._registers = registers = RegisterBank(addr_width=3)
         self._count = registers.add(self.Count, offset=0x00)
         self._control = registers.add(self.Control, offset=0x04)
@@ -105,7 +114,7 @@ class TimerPeripheral(wiring.Component):
     def elaborate(self, platform):
         m = Module()
         m.submodules.registers = self._registers
-        m.submodules.timer = timer = Timer()
+        m.submodules.timer = timer = self._timer
         connect(m, flipped(self.bus), self._registers.bus)
 
         control = self._control.f
