@@ -88,7 +88,8 @@ class SnapshotPeripheral(wiring.Component):
 
     class Control(Register, access="w"):
         """Requests."""
-        sample: Field(action.W, 1, doc="Write 1: latch the sample bank, and the diagnostics of all encoder axes.")
+        sample: Field(action.W, 1, doc="Write 1: latch the sample bank, and the diagnostics of "
+                                       "all encoder axes.")
 
     class Status(Register, access="r"):
         """Progress of the sample bank."""

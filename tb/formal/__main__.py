@@ -4,20 +4,19 @@
 import argparse
 import importlib
 import sys
+from pathlib import Path
 
 from tb.formal.proof import Proof, run
 
-FILES = ["crossing", "quadrature", "snapshot"]
-"""Files of this folder that hold proofs, by the block they are about."""
-
-
 def proofs():
-    """All proofs, in the order written."""
+    """All proofs: every class with a ``block`` in the files of this folder, one file per block."""
     found = []
-    for file in FILES:
-        module = importlib.import_module(f"tb.formal.{file}")
-        found += [v for v in vars(module).values()
-                  if isinstance(v, type) and issubclass(v, Proof) and v.__module__ == module.__name__ and v.block]
+    for path in sorted(Path(__file__).parent.glob("[a-z]*.py")):
+        if path.stem == "proof" or path.stem.startswith("test_"):
+            continue
+        module = importlib.import_module(f"tb.formal.{path.stem}")
+        classes = [v for v in vars(module).values() if isinstance(v, type) and v.__module__ == module.__name__]
+        found += [c for c in classes if issubclass(c, Proof) and c.block]
     return found
 
 
@@ -27,9 +26,11 @@ def main():
     words = parser.parse_args().name
     chosen = [p for p in proofs() if not words or any(w in p.name() for w in words)]
     if not chosen:
-        parser.error(f"no proof is called {' or '.join(words)}; there are {', '.join(p.name() for p in proofs())}")
+        names = ", ".join(p.name() for p in proofs())
+        parser.error(f"no proof is called {' or '.join(words)}; there are {names}")
     failed = [p.name() for p in chosen if not run(p)]
-    print(f"{len(chosen) - len(failed)} of {len(chosen)} proofs hold, their covers are reached and their bugs are found")
+    print(f"{len(chosen) - len(failed)} of {len(chosen)} proofs hold, "
+          "their covers are reached and their bugs are found")
     sys.exit(f"failed: {', '.join(failed)}" if failed else 0)
 
 

@@ -23,8 +23,8 @@ def counter(m, limit, *, clear, tick):
 class Strobes:
     """An account of a StrobeCrossing: what was given, what is under way, and for how long.
 
-    ``waiting``: a strobe was given and has not left.  ``flying``: one left and has not arrived.  ``there_ticks``
-    of the destination since it left, ``back_ticks`` of the source since it arrived.
+    ``waiting``: a strobe was given and has not left.  ``flying``: one left and has not arrived.
+    ``there_ticks`` of the destination since it left, ``back_ticks`` of the source since it arrived.
     """
 
     def __init__(self, m, dut, *, tick, tock):
@@ -56,7 +56,7 @@ class Strobes:
 
 
 class StrobesAllArrive(Proof):
-    """Every strobe given leaves, each that leaves arrives once, none arrives that did not leave, all in bounds."""
+    """Every strobe given leaves, each that leaves arrives once, none else arrives, and all in time."""
 
     block = "rtl.crossing"
     depth = 3
@@ -94,7 +94,9 @@ class StrobesAllArrive(Proof):
 
         given, arrived = Signal(4), Signal(4)
         m.d.formal += [given.eq(given + (tick & dut.i)), arrived.eq(arrived + account.arrives)]
-        m.d.comb += [Cover((given == 2) & (arrived == 2) & dut.ready), Cover((given == 4) & (arrived == 1))]
+        m.d.comb += [
+            Cover((given == 2) & (arrived == 2) & dut.ready), Cover((given == 4) & (arrived == 1)),
+        ]
 
 
 class SettingsArriveWhole(Proof):
@@ -115,7 +117,10 @@ class SettingsArriveWhole(Proof):
         tick, tock = Signal(), Signal()
         dut = block.Handover(32, source="sync", destination="fast")
         m.submodules.dut, synchronisers = two_clocks(dut, sync=tick, fast=tock)
-        m.d.comb += [tick.eq(AnySeq(1)), tock.eq(AnySeq(1)), dut.request.eq(AnySeq(1)), dut.payload.eq(AnySeq(32))]
+        m.d.comb += [
+            tick.eq(AnySeq(1)), tock.eq(AnySeq(1)),
+            dut.request.eq(AnySeq(1)), dut.payload.eq(AnySeq(32)),
+        ]
         account = Strobes(m, dut._crossing, tick=tick, tock=tock)
 
         # The payload as it was when the request left; and what has arrived of it.
@@ -157,7 +162,7 @@ class ResultsAreStill(Proof):
         m.d.comb += [tick.eq(AnySeq(1)), tock.eq(AnySeq(1)), dut.request.eq(AnySeq(1)), dut.i.eq(AnySeq(32))]
         account = Strobes(m, dut._crossing, tick=tick, tock=tock)
 
-        # ``owed``: nothing was latched since the last request.  ``awaited``: the last request has no ``done`` yet.
+        # ``owed``: nothing was latched since the last request; ``awaited``: it has no ``done`` yet.
         latched, owed, awaited = Signal(32), Signal(), Signal()
         with m.If(tock & dut.capture):
             m.d.formal += [latched.eq(dut.i), owed.eq(0)]
@@ -169,7 +174,8 @@ class ResultsAreStill(Proof):
             Assert(dut.o == latched),
             Assert(dut.busy | ~owed & ~dut.capture),
             Assert(dut.done == (awaited & ~dut.busy)),
-            *self.lemmas(*account.lemmas(dut._crossing, synchronisers), ~owed | account.waiting | account.flying,
+            *self.lemmas(*account.lemmas(dut._crossing, synchronisers),
+                         ~owed | account.waiting | account.flying,
                          awaited | ~dut.busy, dut._was_busy | dut.busy | ~awaited),
             Cover(dut.done & (latched == 0x12345678)), Cover(account.waiting & (latched == 7)),
         ]

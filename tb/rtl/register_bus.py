@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Read and write the registers of a peripheral under test through its ``bus`` port.  All at falling edges of ``clk``."""
+"""Read and write the registers of a peripheral under test through its ``bus``, at falling edges of ``clk``."""
 
 from cocotb.triggers import FallingEdge
 

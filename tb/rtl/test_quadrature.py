@@ -40,7 +40,8 @@ async def drive(dut, encoder):
 
 def shown(dut):
     return Expected(
-        count=dut.steps__count.value.to_signed(), moved=bool(dut.steps__moved.value), up=bool(dut.steps__up.value),
+        count=dut.steps__count.value.to_signed(),
+        moved=bool(dut.steps__moved.value), up=bool(dut.steps__up.value),
         a=int(dut.steps__a.value), error=bool(dut.error.value), errors=dut.errors.value.to_unsigned(),
         index=bool(dut.index.value), index_count=dut.index_count.value.to_signed())
 
