@@ -150,8 +150,9 @@ enum scan_plan_status scan_plan_make(const struct scan_settings *settings,
     if (!(axis->speed_mm_per_s > 0.0 && axis->speed_max_mm_per_s > 0.0))
         return SCAN_PLAN_SPEED;
 
-    /* Rounding the pitch down keeps ceil(k * pitch) that of the decimal pitch for every k: a pitch
-     * a hair too large would push each pixel that should fall on a whole count one count on. */
+    /* Rounding the pitch down keeps ceil(k * pitch) that of the decimal pitch, for k up to 2^32
+     * over 10 to the number of its decimals: a pitch a hair too large would push each pixel that
+     * should fall on a whole count one count on. */
     made.pixels = line.pixels;
     made.pitch_whole = (uint32_t)(line.pitch_millionths / MILLION);
     made.pitch_fraction = (uint32_t)(((line.pitch_millionths % MILLION) << 32) / MILLION);

@@ -211,7 +211,7 @@ TEST(serpentine_returns_over_the_same_edges)
 {
     stage_start();
     WORKED_EXAMPLE;
-    SEND("SCANR Y=0.05 Z=24.4", ACKNOWLEDGED);
+    SEND("SCANR Y=0.0524 Z=24.4", ACKNOWLEDGED);
     SEND("SCANV X=0 Y=0.2 Z=4", ACKNOWLEDGED);
     SEND("SCAN F=1", ACKNOWLEDGED);
     SEND("SCAN X=83", ACKNOWLEDGED);
@@ -221,17 +221,17 @@ TEST(serpentine_returns_over_the_same_edges)
         const struct stage_line *forward = &stage_lines[0], *line = &stage_lines[n];
 
         CHECK(line->finished);
-        CHECK_INT(line->pixels, 93);
+        CHECK_INT(line->pixels, 97);
         CHECK_INT(line->reverse, n % 2);
         CHECK_INT(line->at[1], lround(0.05 * n * 45396));
         if (n % 2 == 0) {
-            CHECK(pixels_lie_on(line, 93, 24400));
+            CHECK(pixels_lie_on(line, 97, 24400));
             continue;
         }
-        CHECK_INT(line->sync_edge, forward->pixel_edge[92]);
-        for (int k = 0; k < 92; k++)
-            CHECK_INT(line->pixel_edge[k], forward->pixel_edge[91 - k]);
-        CHECK_INT(line->pixel_edge[92], forward->sync_edge);
+        CHECK_INT(line->sync_edge, forward->pixel_edge[96]);
+        for (int k = 0; k < 96; k++)
+            CHECK_INT(line->pixel_edge[k], forward->pixel_edge[95 - k]);
+        CHECK_INT(line->pixel_edge[96], forward->sync_edge);
     }
     CHECK_INT(fault_read(0), FAULT_NONE);
 }
