@@ -14,6 +14,7 @@
 #include "hal/timer.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
+#include "modules/limits.h"
 #include "modules/modules.h"
 
 static const uint32_t LINES =
@@ -41,6 +42,7 @@ static void start(void)
         axis_read(axis, &view);
         coordinates_set_origin(axis, view.position_counts);
     }
+    limits_open();
     settings_load();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->init != NULL)

@@ -94,7 +94,7 @@ static const struct parameter parameters[] = {
     {
         .command = "CNTS", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 1,
         .decimals_max = 6, .unit = "counts/mm", .summary = "Encoder counts per mm.",
-        .minimum = 1, .maximum = 1e7, .initial = 45396, .saved = SAVED_BY_SS,
+        .minimum = 1, .maximum = 1e6, .initial = 45396, .saved = SAVED_BY_SS,
         .value = counts_per_mm, .set = rescaled,
     },
     {0},

@@ -16,6 +16,14 @@
 static int32_t low_counts[AXIS_COUNT];
 static int32_t high_counts[AXIS_COUNT];
 
+void limits_open(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        low_counts[axis] = -COORDINATES_COUNTS_MAX;
+        high_counts[axis] = COORDINATES_COUNTS_MAX;
+    }
+}
+
 int32_t limits_clip(unsigned axis, int32_t counts)
 {
     if (counts > high_counts[axis]) {

@@ -16,6 +16,9 @@
 
 extern const struct module limits_module;
 
+/** No limits; start-up and RESET, before the settings are loaded. */
+void limits_open(void);
+
 /** The count itself, or the nearest one within the limits. Logs 34 or 35 when it was outside. */
 int32_t limits_clip(unsigned axis, int32_t counts);
 

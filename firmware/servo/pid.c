@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* Errors that have a say in the direction of friction: 64 counts is far beyond the knee. */
-#define APPROACH_LIMIT_Q8 (INT32_C(1) << 14)
+/* Errors have a say in the direction of friction up to this: 16 counts, far beyond the knee. */
+#define APPROACH_LIMIT_Q8 (INT32_C(1) << 12)
 
 static double gain(int32_t value)
 {
@@ -33,7 +33,7 @@ void pid_configure(struct pid_config *cfg, const struct pid_gains *gains, uint32
     cfg->kv_q14 = scaled(gain(gains->kv) / 16.0 / tick_ms, 16384.0);
     cfg->ka_q8 = scaled(gain(gains->ka) / 2.0 / (tick_ms * tick_ms), 256.0);
     cfg->filter_q27 = scaled(tick_ms / (tick_ms + filter_ms), 134217728.0);
-    cfg->approach_q12 = scaled(fmin(approach, 1.0), 4096.0);
+    cfg->approach_q16 = scaled(fmin(approach, 1.0), 65536.0);
     cfg->knee_q16 = scaled(knee, 65536.0);
     cfg->friction_slope_q6 = scaled(friction_steps / knee, 64.0);
     cfg->output_limit_steps = scaled(limit_steps, 1.0);
@@ -74,7 +74,7 @@ int32_t pid_tick(const struct pid_config *cfg, struct pid_state *st, int32_t err
     st->error_q8 = error;
     st->derivative_q16 += high((rate - st->derivative_q16) * 32, cfg->filter_q27);
 
-    wanted_q16 = velocity + pid_clamp(error, APPROACH_LIMIT_Q8) * cfg->approach_q12 / 16;
+    wanted_q16 = velocity + pid_clamp(error, APPROACH_LIMIT_Q8) * cfg->approach_q16 / 256;
     output_q4 = high(pid_clamp(wanted_q16, cfg->knee_q16) * 16384, cfg->friction_slope_q6);
     output_q4 += high(error * 1024, cfg->kp_q18);
     output_q4 += high(st->derivative_q16 * 64, cfg->kd_q14);

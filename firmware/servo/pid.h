@@ -40,7 +40,7 @@ struct pid_config {
     int32_t kv_q14;            /**< Steps per count/tick. */
     int32_t ka_q8;             /**< Steps per count/tick^2. */
     int32_t filter_q27;        /**< Share of a new difference the derivative takes up, up to 1. */
-    int32_t approach_q12;      /**< Counts/tick per count, up to 1. */
+    int32_t approach_q16;      /**< Counts/tick per count, up to 1. */
     int32_t knee_q16;          /**< Counts/tick, above 0, up to 1. */
     int32_t friction_slope_q6; /**< Steps per count/tick; friction_steps at the knee. */
     int32_t output_limit_steps;

@@ -58,12 +58,12 @@ struct profile_state {
  * Plan the fastest motion from `start` to rest at `target_q32`, within a speed and an acceleration.
  *
  * Starts from any velocity, also one that is too fast or leads away from the target: then it brakes
- * first, overshoots where it must, and returns. A segment shorter than the distance to the next
- * tick is left out (its effect is in the next segment's first set-point). Main loop only: uses
- * floating point, a square root and divisions.
+ * first, overshoots where it must, and returns. The whole way must lie within 2^31 counts of the
+ * start. A segment shorter than the distance to the next tick is left out (its effect is in the
+ * next segment's first set-point). Main loop only: uses floating point.
  *
  * @param start                  Set-point at the plan's tick 0.
- * @param target_q32             Where to stop; the distance must be below 2^31 counts.
+ * @param target_q32             Where to stop.
  * @param speed_per_tick         Largest cruise speed, counts per tick, above 0.
  * @param acceleration_per_tick2 Acceleration and deceleration, counts per tick^2, above 0.
  */

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "closed_loop.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/events.h"
+#include "core/fault.h"
+#include "core/settings.h"
+#include "host/mmio.h"
+#include "modules/axis.h"
+#include "modules/coordinates.h"
+#include "modules/limits.h"
+#include "modules/modules.h"
+#include "modules/motion.h"
+#include "port.h"
+#include "regs.h"
+
+enum { TICK_PS = 200000000, PWM_PERIOD_PS = 50000000 };
+
+static const char plant[] =
+#include "plant.h"
+    ;
+
+static struct board *board;
+static int64_t now_ps;
+static double push[4];
+static bool reversed[4];
+static double latched[4]; /* true positions at the last tick */
+
+/* The parameters' text with some values multiplied. */
+static void change(char *text, size_t size, const struct closed_loop_change *changes)
+{
+    const char *line = plant;
+    size_t length = 0;
+
+    while (*line != '\0') {
+        size_t name = strcspn(line, "="), all = strcspn(line, "\n") + 1;
+        double value = atof(line + name + 1);
+
+        for (const struct closed_loop_change *c = changes; c != NULL && c->name != NULL; c++)
+            if (strlen(c->name) == name && strncmp(c->name, line, name) == 0)
+                value *= c->factor;
+        length += (size_t)snprintf(text + length, size - length, "%.*s=%.17g\n", (int)name, line,
+                                   value);
+        line += all;
+    }
+}
+
+/* The input pins and latched positions, as the firmware's registers. */
+static void latch(void)
+{
+    const struct board_pins *pins = board_pins(board);
+    uint64_t time_fast = (uint64_t)(now_ps / 5000);
+
+    for (unsigned axis = 0; axis < 4; axis++) {
+        uint32_t count = (uint32_t)(int32_t)board_count(board, axis);
+
+        latched[axis] = board_position_counts(board, axis, now_ps);
+        mmio_model_set(REG_SNAPSHOT_TICK_POSITION0 + 4 * axis, count);
+        mmio_model_set(REG_SNAPSHOT_SAMPLE_POSITION0 + 4 * axis, count);
+    }
+    mmio_model_set(REG_SNAPSHOT_TICK_TIME_LOW, (uint32_t)time_fast);
+    mmio_model_set(REG_SNAPSHOT_TICK_TIME_HIGH, (uint32_t)(time_fast >> 32));
+    mmio_model_set(REG_INPUTS_LEVELS,
+                   (uint32_t)pins->limit_lower << REG_INPUTS_LEVELS_LIMIT_LOWER_SHIFT |
+                       (uint32_t)pins->limit_upper << REG_INPUTS_LEVELS_LIMIT_UPPER_SHIFT |
+                       (uint32_t)pins->estop << REG_INPUTS_LEVELS_ESTOP_SHIFT);
+}
+
+void closed_loop_tick(void)
+{
+    now_ps += TICK_PS;
+    board_advance(board, now_ps);
+    latch();
+    axis_tick();
+    board_advance(board, now_ps + PWM_PERIOD_PS);
+    for (unsigned axis = 0; axis < 4; axis++)
+        board_drive(board, now_ps + PWM_PERIOD_PS, axis,
+                    (reversed[axis] ? -1 : 1) * pwm_duty_read(axis) / 2500.0 + push[axis]);
+    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
+        if ((*module)->poll != NULL)
+            (*module)->poll();
+    fault_poll();
+    events_poll();
+}
+
+void closed_loop_run(unsigned ticks)
+{
+    while (ticks-- > 0)
+        closed_loop_tick();
+}
+
+void closed_loop_start(const struct closed_loop_change *changes)
+{
+    static char text[16384];
+    char error[200];
+
+    change(text, sizeof text, changes);
+    if (board != NULL)
+        board_destroy(board);
+    board = board_create(text, error, sizeof error);
+    if (board == NULL) {
+        printf("board model: %s\n", error);
+        exit(2);
+    }
+    now_ps = 0;
+    memset(push, 0, sizeof push);
+    memset(reversed, 0, sizeof reversed);
+    mmio_model_reset();
+    latch();
+    axis_init();
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        coordinates_set_origin(axis, 0);
+    limits_open();
+    settings_factory_next();
+    port_start(firmware_modules);
+    closed_loop_run(2 * AXIS_REST_TICKS);
+}
+
+struct board *closed_loop_board(void)
+{
+    return board;
+}
+
+const char *closed_loop_send(const char *line)
+{
+    closed_loop_tick();
+    return port_send(line);
+}
+
+int closed_loop_wait(int limit)
+{
+    for (int ticks = 0; ticks <= limit; ticks++) {
+        if (!motion_busy())
+            return ticks;
+        closed_loop_tick();
+    }
+    return -1;
+}
+
+void closed_loop_push(unsigned axis, double drive)
+{
+    push[axis] = drive;
+}
+
+void closed_loop_reverse(unsigned axis, bool is_reversed)
+{
+    reversed[axis] = is_reversed;
+}
+
+double closed_loop_position(unsigned axis)
+{
+    return latched[axis];
+}

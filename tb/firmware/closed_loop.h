@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The whole firmware on the host, its servo closed over the board model: how well it moves.
+ *
+ * Each tick latches the board's counts into the snapshot registers, runs the firmware's tick
+ * interrupt, and applies the duties one PWM period later, as the gateware does.
+ */
+#ifndef TB_FIRMWARE_CLOSED_LOOP_H
+#define TB_FIRMWARE_CLOSED_LOOP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "../board/board.h"
+
+/**
+ * Power up on a board whose parameters differ from plant.toml as these say: "x.running_friction"
+ * and a factor, ended by NULL. Runs until the axes are regulated.
+ */
+struct closed_loop_change {
+    const char *name;
+    double factor;
+};
+void closed_loop_start(const struct closed_loop_change *changes);
+
+/** The board, to watch and to disturb. */
+struct board *closed_loop_board(void);
+
+/** Let a tick of 200 us pass; then the main loop. */
+void closed_loop_tick(void);
+void closed_loop_run(unsigned ticks);
+
+/** Send a line, CR added; its reply. Takes one tick. */
+const char *closed_loop_send(const char *line);
+
+/** Run until STATUS would say N; ticks it took, or -1: not within `limit` ticks. */
+int closed_loop_wait(int limit);
+
+/** A hand on the stage: adds this fraction of full drive until it is 0 again. */
+void closed_loop_push(unsigned axis, double drive);
+
+/** Exchange the wires of a motor. */
+void closed_loop_reverse(unsigned axis, bool reversed);
+
+/** True position of an axis at the last tick, counts. */
+double closed_loop_position(unsigned axis);
+
+#endif

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Set-point plans, stepped tick by tick, against the laws of motion and closed-form times. */
+#include "check.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "servo/profile.h"
+
+static const double ONE = 4294967296.0;
+
+/* Rounding to 2^-32 of position, velocity and half the acceleration, over a ramp of n ticks. */
+static double rounding(uint64_t ticks)
+{
+    return (double)ticks * (double)ticks / ONE + 4.0 / ONE + 1e-6;
+}
+
+static double uniform(double low, double high)
+{
+    return low + (high - low) * (rand() / (double)RAND_MAX);
+}
+
+/* Log-uniform, so that slow and fast, short and long are tried alike. */
+static double decades(double low, double high)
+{
+    return exp(uniform(log(low), log(high)));
+}
+
+static struct profile_point point(double position, double velocity)
+{
+    return (struct profile_point){
+        .position_q32 = llround(position) * (INT64_C(1) << 32),
+        .velocity_q32 = llround(velocity * ONE),
+    };
+}
+
+struct trial {
+    struct profile_point start;
+    int64_t target_q32;
+    double speed, acceleration;
+};
+
+static struct trial random_trial(bool moving)
+{
+    double speed = decades(1e-4, 100.0), ramp = decades(1.0, 3000.0);
+    double distance = (rand() % 2 ? 1 : -1) * decades(1.0, speed * 20000.0 + 2.0);
+    struct trial t = {
+        .start = point(uniform(-1e6, 1e6), moving ? uniform(-1.5, 1.5) * speed : 0.0),
+        .speed = speed,
+        .acceleration = speed / ramp,
+    };
+
+    t.target_q32 = t.start.position_q32 + llround(distance) * (INT64_C(1) << 32);
+    return t;
+}
+
+static void plan(struct profile_plan *p, const struct trial *t)
+{
+    profile_plan_move(p, &t->start, t->target_q32, t->speed, t->acceleration);
+}
+
+TEST(ends_on_its_target_at_rest)
+{
+    srand(1);
+    for (int i = 0; i < 300; i++) {
+        struct trial t = random_trial(i % 2);
+        struct profile_plan p;
+        struct profile_state st;
+        uint64_t ticks;
+
+        plan(&p, &t);
+        ticks = profile_ticks(&p);
+        profile_rest(&st, t.start.position_q32);
+        profile_begin(&st, &p);
+        for (uint64_t n = 0; n < ticks; n++) {
+            CHECK(profile_moving(&st));
+            profile_tick(&st);
+        }
+        CHECK(!profile_moving(&st));
+        CHECK(st.now.position_q32 == t.target_q32 && st.now.velocity_q32 == 0);
+        CHECK(st.half_acceleration_q32 == 0);
+        profile_tick(&st);
+        CHECK(st.now.position_q32 == t.target_q32);
+    }
+}
+
+TEST(begins_where_it_was_planned_from)
+{
+    srand(2);
+    for (int i = 0; i < 300; i++) {
+        struct trial t = random_trial(true);
+        struct profile_plan p;
+        struct profile_point first;
+        double late;
+
+        plan(&p, &t);
+        first = profile_at(&p, 0);
+        CHECK(first.position_q32 == t.start.position_q32);
+        late = fabs((double)(first.velocity_q32 - t.start.velocity_q32)) / ONE;
+        CHECK(late <= 2.0 / ONE);
+    }
+}
+
+/* Between two ticks the speed changes by at most the acceleration, and the position by at most the
+ * speed; beyond the limit only while an excessive speed is being braked. */
+TEST(keeps_speed_and_acceleration)
+{
+    srand(3);
+    for (int i = 0; i < 200; i++) {
+        struct trial t = random_trial(i % 2);
+        struct profile_plan p;
+        struct profile_state st;
+        double before = (double)t.start.velocity_q32 / ONE;
+        double allowed = fmax(t.speed, fabs(before));
+
+        plan(&p, &t);
+        profile_rest(&st, t.start.position_q32);
+        profile_begin(&st, &p);
+        while (profile_moving(&st)) {
+            int64_t from = st.now.position_q32;
+            double velocity, step;
+
+            profile_tick(&st);
+            velocity = (double)st.now.velocity_q32 / ONE;
+            step = (double)(st.now.position_q32 - from) / ONE;
+            CHECK(fabs(velocity) <= allowed * (1 + 1e-9) + rounding(1));
+            CHECK(fabs(velocity - before) <= t.acceleration * (1 + 1e-6) + rounding(1));
+            /* Constant acceleration in between, or a corner: the mean speed lies within reach. */
+            CHECK(fabs(step - (velocity + before) / 2) <= t.acceleration / 2 + rounding(3000));
+            before = velocity;
+            if (fabs(velocity) <= t.speed)
+                allowed = t.speed;
+        }
+    }
+}
+
+TEST(takes_no_longer_than_a_trapezoid)
+{
+    srand(4);
+    for (int i = 0; i < 300; i++) {
+        struct trial t = random_trial(false);
+        struct profile_plan p;
+        double distance = fabs((double)(t.target_q32 - t.start.position_q32)) / ONE;
+        double v = t.speed, a = t.acceleration;
+        double ticks = distance > v * v / a ? distance / v + v / a : 2 * sqrt(distance / a);
+
+        plan(&p, &t);
+        CHECK(fabs((double)profile_ticks(&p) - ticks) <= 1.0 + 1e-9 * ticks);
+        CHECK((double)profile_ticks(&p) >= ticks - 1e-6 * ticks);
+    }
+}
+
+TEST(cruises_at_exactly_the_speed_asked_for)
+{
+    /* 0.528 mm/s at 45396 counts/mm and 5 kHz, 50 ms ramps, 2 mm. */
+    double speed = 0.528 * 45396 / 5000;
+    struct trial t = {.start = point(-100, 0), .speed = speed, .acceleration = speed / 250};
+    struct profile_plan p;
+    uint64_t ticks;
+
+    t.target_q32 = INT64_C(90692) << 32;
+    plan(&p, &t);
+    ticks = profile_ticks(&p);
+    for (uint64_t n = 251; n < ticks - 252; n += 7) {
+        struct profile_point now = profile_at(&p, n);
+        double ideal = -100 + speed * ((double)n - 125);
+
+        CHECK(now.velocity_q32 == llround(speed * ONE));
+        CHECK(fabs((double)now.position_q32 / ONE - ideal) < 1e-5);
+    }
+}
+
+TEST(has_no_slowest_speed)
+{
+    /* 1 nm/s at 45396 counts/mm and 5 kHz is 9.08e-6 counts a tick; a count takes 22 s. */
+    double speed = 1e-6 * 45396 / 5000;
+    struct trial t = {.start = point(0, 0), .speed = speed, .acceleration = speed / 250};
+    struct profile_plan p;
+    struct profile_state st;
+
+    t.target_q32 = INT64_C(3) << 32;
+    plan(&p, &t);
+    profile_rest(&st, 0);
+    profile_begin(&st, &p);
+    for (int n = 0; n < 200000; n++) {
+        int64_t from = st.now.position_q32;
+
+        profile_tick(&st);
+        CHECK(st.now.position_q32 > from || n == 0);
+    }
+    CHECK(fabs((double)st.now.position_q32 / ONE - speed * (200000 - 125)) < 1e-4);
+    CHECK(fabs((double)profile_ticks(&p) - (3 / speed + 250)) < 2);
+}
+
+TEST(is_predicted_bit_for_bit)
+{
+    srand(5);
+    for (int i = 0; i < 100; i++) {
+        struct trial t = random_trial(i % 2);
+        struct profile_plan p;
+        struct profile_state st;
+
+        plan(&p, &t);
+        profile_rest(&st, t.start.position_q32);
+        profile_begin(&st, &p);
+        for (uint64_t n = 0; n < profile_ticks(&p) + 2; n++) {
+            struct profile_point now = profile_at(&p, n);
+
+            CHECK(now.position_q32 == st.now.position_q32);
+            CHECK(now.velocity_q32 == st.now.velocity_q32);
+            profile_tick(&st);
+        }
+    }
+}
+
+TEST(replaces_a_motion_without_a_jump)
+{
+    srand(6);
+    for (int i = 0; i < 200; i++) {
+        struct trial t = random_trial(false), next = t;
+        struct profile_plan p, q;
+        uint64_t at;
+        struct profile_point joint;
+
+        plan(&p, &t);
+        at = profile_ticks(&p) * (uint64_t)(rand() % 100) / 100;
+        joint = profile_at(&p, at);
+        next.start = joint;
+        /* Of a kind with the first: braking must not lead out of the range of counts. */
+        next.speed = t.speed * uniform(0.1, 2);
+        next.acceleration = t.acceleration * uniform(0.1, 10);
+        next.target_q32 = t.target_q32 + (rand() % 2001 - 1000) * (INT64_C(1) << 32);
+        plan(&q, &next);
+        CHECK(profile_at(&q, 0).position_q32 == joint.position_q32);
+        CHECK(profile_at(&q, profile_ticks(&q)).position_q32 == next.target_q32);
+    }
+}
+
+TEST(stops_on_a_whole_count_within_the_acceleration)
+{
+    srand(7);
+    for (int i = 0; i < 500; i++) {
+        double speed = decades(1e-3, 100), a = speed / decades(1, 1000);
+        struct profile_point start = point(uniform(-1e6, 1e6), uniform(-1, 1) * speed);
+        double u = (double)start.velocity_q32 / ONE, brake = u * fabs(u) / (2 * a);
+        struct profile_plan p;
+        double distance;
+        int64_t end;
+
+        start.position_q32 += rand();
+        end = profile_stop_q32(&start, a);
+        distance = (double)(end - start.position_q32) / ONE;
+        CHECK_INT(end & 0xffffffff, 0);
+        CHECK(fabs(distance) >= fabs(brake) - 1e-6 && fabs(distance - brake) <= 1 + 1e-6);
+        profile_plan_move(&p, &start, end, 100, a);
+        /* Never backwards, never longer than braking and a count at the last speeds. */
+        for (uint64_t n = 0; n < profile_ticks(&p); n++)
+            CHECK((double)profile_at(&p, n).velocity_q32 * u >= -1e-6 * ONE * fabs(u));
+        CHECK((double)profile_ticks(&p) <= fabs(u) / a + 2 * sqrt(1 / a) + 2);
+    }
+}
+
+TEST(stays_in_range_at_the_ends_of_the_counts)
+{
+    struct trial t = {.start = point(-1073741824.0, 0), .speed = 256, .acceleration = 1};
+    struct profile_plan p;
+
+    t.target_q32 = ((INT64_C(1) << 30) - 1) * (INT64_C(1) << 32);
+    plan(&p, &t);
+    CHECK(fabs((double)profile_ticks(&p) - (2147483648.0 / 256 + 256)) <= 1);
+    CHECK(profile_at(&p, profile_ticks(&p)).position_q32 == t.target_q32);
+    CHECK(profile_at(&p, profile_ticks(&p) - 1).position_q32 <= t.target_q32);
+}
+
+TEST(goes_nowhere_in_no_time)
+{
+    struct trial t = {.start = point(5, 0), .speed = 1, .acceleration = 1};
+    struct profile_plan p;
+    struct profile_state st;
+
+    t.target_q32 = INT64_C(5) << 32;
+    plan(&p, &t);
+    CHECK_INT(profile_ticks(&p), 0);
+    profile_rest(&st, t.target_q32);
+    profile_begin(&st, &p);
+    CHECK(!profile_moving(&st));
+}
+
+TEST_MAIN(RUN(ends_on_its_target_at_rest);
+          RUN(begins_where_it_was_planned_from);
+          RUN(keeps_speed_and_acceleration);
+          RUN(takes_no_longer_than_a_trapezoid);
+          RUN(cruises_at_exactly_the_speed_asked_for);
+          RUN(has_no_slowest_speed);
+          RUN(is_predicted_bit_for_bit);
+          RUN(replaces_a_motion_without_a_jump);
+          RUN(stops_on_a_whole_count_within_the_acceleration);
+          RUN(stays_in_range_at_the_ends_of_the_counts);
+          RUN(goes_nowhere_in_no_time))
