@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* User units, mirrored axes, origins, soft limits: through the language, against exact arithmetic. */
+/* User units, mirrored axes, origins, soft limits: through the language and the board model. */
 #include "check.h"
 
 #include <math.h>

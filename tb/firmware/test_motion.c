@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Owners, plans that are handed over, limit switches, emergency stop, faults: on the board model. */
+/* Owners, plans that are handed over, limit switches, emergency stop, faults: on the board. */
 #include "check.h"
 
 #include <math.h>

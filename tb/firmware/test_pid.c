@@ -36,7 +36,8 @@ static double clamp(double value, double limit)
     return fmax(-limit, fmin(limit, value));
 }
 
-static double reference_tick(struct reference *r, double error, double velocity, double acceleration)
+static double reference_tick(struct reference *r, double error, double velocity,
+                             double acceleration)
 {
     const struct pid_gains *g = r->g;
     double wanted = velocity + g->approach_per_s / 1000.0 * clamp(error, 16);
@@ -48,7 +49,8 @@ static double reference_tick(struct reference *r, double error, double velocity,
           g->ka / 2.0 * acceleration +
           g->friction_steps * clamp(wanted / (g->knee_counts_per_s / 1000.0), 1);
     if (fabs(out) <= g->output_limit_steps || out * error < 0)
-        r->integral = clamp(r->integral + g->ki / 1024.0 * error * r->tick_ms, g->output_limit_steps);
+        r->integral =
+            clamp(r->integral + g->ki / 1024.0 * error * r->tick_ms, g->output_limit_steps);
     return clamp(out, g->output_limit_steps);
 }
 

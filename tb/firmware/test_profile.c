@@ -151,6 +151,39 @@ TEST(takes_no_longer_than_a_trapezoid)
     }
 }
 
+/* Distance covered after t ticks of the shortest motion from rest to rest. */
+static double trapezoid(double distance, double v, double a, double t)
+{
+    double ramp = fmin(v / a, sqrt(distance / a)), peak = a * ramp;
+    double total = ramp + distance / peak;
+
+    if (t <= ramp)
+        return a * t * t / 2;
+    if (t >= total - ramp)
+        return distance - a * (total - t) * (total - t) / 2;
+    return peak * (t - ramp / 2);
+}
+
+TEST(is_at_each_tick_where_the_laws_of_motion_have_it)
+{
+    srand(8);
+    for (int i = 0; i < 100; i++) {
+        struct trial t = random_trial(false);
+        struct profile_plan p;
+        double distance = (double)(t.target_q32 - t.start.position_q32) / ONE;
+        double side = distance < 0 ? -1 : 1;
+
+        plan(&p, &t);
+        for (uint64_t n = 0; n < profile_ticks(&p); n += 1 + profile_ticks(&p) / 500) {
+            int64_t moved_q32 = profile_at(&p, n).position_q32 - t.start.position_q32;
+            double ideal = trapezoid(fabs(distance), t.speed, t.acceleration, (double)n);
+
+            CHECK(fabs((double)moved_q32 / ONE * side - ideal) <
+                  rounding(3000) + 1e-9 * fabs(distance));
+        }
+    }
+}
+
 TEST(cruises_at_exactly_the_speed_asked_for)
 {
     /* 0.528 mm/s at 45396 counts/mm and 5 kHz, 50 ms ramps, 2 mm. */
@@ -291,6 +324,7 @@ TEST_MAIN(RUN(ends_on_its_target_at_rest);
           RUN(begins_where_it_was_planned_from);
           RUN(keeps_speed_and_acceleration);
           RUN(takes_no_longer_than_a_trapezoid);
+          RUN(is_at_each_tick_where_the_laws_of_motion_have_it);
           RUN(cruises_at_exactly_the_speed_asked_for);
           RUN(has_no_slowest_speed);
           RUN(is_predicted_bit_for_bit);
