@@ -44,14 +44,22 @@ class Countdown(wiring.Component):
     def __init__(self, *, width):
         if not isinstance(width, int) or width <= LOW_BITS:
             raise ValueError(f"a countdown needs more than {LOW_BITS} bits, not {width!r}")
-        self._width = width
+        # State, for proofs.  ``one``: the count is 1.  ``more``: after it comes the extra step.  ``borrow``:
+        # ``high`` is one too many.  ``began``: ``high`` is still to be loaded.  ``short``: ``high`` was 0 one
+        # clock ago, or will be when it is loaded.
+        self._start, self._start_one, self._start_short = Signal(width), Signal(), Signal(init=1)
+        self._low, self._high = Signal(LOW_BITS), Signal(width - LOW_BITS)
+        self._one, self._more, self._borrow = Signal(), Signal(), Signal()
+        self._began, self._short = Signal(), Signal()
         super().__init__({"value": In(width), "load": In(1), "reload": In(1), "extra": In(1), "step": In(1),
                           "last": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
-        start = Signal(self._width)
-        start_one, start_short = Signal(), Signal()
+        start, start_one, start_short = self._start, self._start_one, self._start_short
+        low, high, one, more = self._low, self._high, self._one, self._more
+        borrow, began, short = self._borrow, self._began, self._short
+
         with m.If(~self.load):                      # the upper part is still to be taken
             m.d.fast += [
                 start.eq(self.value),
@@ -59,13 +67,7 @@ class Countdown(wiring.Component):
                 start_short.eq(self.value[LOW_BITS:] == 0),
             ]
 
-        # ``one``: the count is 1.  ``more``: after it comes the extra step.
-        low, high = Signal(LOW_BITS), Signal(self._width - LOW_BITS)
-        one, more = Signal(), Signal()
-        begin, began = Signal(), Signal()
-        borrow = Signal()                           # ``high`` is one too many
-        short = Signal()                            # ``high`` was 0 one clock ago, or will be when it is loaded
-        again, stay, two = Signal(), Signal(), Signal()
+        begin, again, stay, two = Signal(), Signal(), Signal(), Signal()
         m.d.comb += [
             again.eq(self.last & self.reload),
             begin.eq(self.load | (self.step & again)),

@@ -43,16 +43,17 @@ class HighWater(wiring.Component):
         Nothing of the way is repeated.  Wrong only after 2**32 steps behind the front.
     """
 
-    active: In(1)
-    forward: In(1)
-    backward: In(1)
-    front: Out(1, init=1)
+    def __init__(self):
+        # State, for proofs.  ``carry``, ``borrow``: ``high`` changes a clock after ``low``.  ``near``: ``high``
+        # was 0 one clock ago.
+        self._low, self._spare, self._high = Signal(7), Signal(), Signal(25)
+        self._carry, self._borrow, self._near = Signal(), Signal(), Signal(init=1)
+        super().__init__({"active": In(1), "forward": In(1), "backward": In(1), "front": Out(1, init=1)})
 
     def elaborate(self, platform):
         m = Module()
-        low, spare, high = Signal(7), Signal(), Signal(25)
-        carry, borrow = Signal(), Signal()          # ``high`` changes a clock after ``low``
-        near = Signal(init=1)                       # ``high`` was 0 one clock ago
+        low, spare, high = self._low, self._spare, self._high
+        carry, borrow, near = self._carry, self._borrow, self._near
         regain = self.forward & ~self.front
         m.d.fast += [
             near.eq(high == 0),
@@ -104,6 +105,10 @@ class PixelDivider(wiring.Component):
     """
 
     def __init__(self):
+        # State, for proofs; see elaborate().
+        self._edges, self._pixels, self._high_water = Countdown(width=WIDTH), Countdown(width=WIDTH), HighWater()
+        self._primed, self._fraction = Signal(3), Signal(WIDTH)
+        self._carry, self._after, self._extra, self._advance = Signal(), Signal(), Signal(), Signal()
         super().__init__({
             "step": In(StepStream(WIDTH)), "settings": In(DividerSettings), "arm": In(1), "active": In(1),
             "pixel": Out(1), "done": Out(1), "produced": Out(WIDTH), "end_position": Out(signed(WIDTH)),
@@ -111,9 +116,9 @@ class PixelDivider(wiring.Component):
 
     def elaborate(self, platform):
         m = Module()
-        m.submodules.edges = edges = Countdown(width=WIDTH)
-        m.submodules.pixels = pixels = Countdown(width=WIDTH)
-        m.submodules.high_water = high_water = HighWater()
+        m.submodules.edges = edges = self._edges
+        m.submodules.pixels = pixels = self._pixels
+        m.submodules.high_water = high_water = self._high_water
 
         # Clock 0: the step in terms of the scan.
         forward, backward = Signal(), Signal()
@@ -126,8 +131,8 @@ class PixelDivider(wiring.Component):
 
         # Clock 1: progress, and whether it completes a pixel.  After the last pixel nothing is reloaded, so
         # that no other follows before ``active`` falls.
-        progress, complete, extra = Signal(), Signal(), Signal()
-        primed = Signal(3)                          # 1 to 3 clocks after ``arm``
+        progress, complete, extra = Signal(), Signal(), self._extra
+        primed = self._primed                       # 1 to 3 clocks after ``arm``
         m.d.comb += [
             high_water.active.eq(self.active),
             high_water.forward.eq(forward), high_water.backward.eq(backward),
@@ -144,8 +149,8 @@ class PixelDivider(wiring.Component):
 
         # The fraction works ahead and a clock behind the pixels: ``extra`` is the carry for the next reload,
         # ``after`` the one for the reload after it unless ``carry`` is just about to move there.
-        fraction = Signal(WIDTH)
-        carry, after, following, advance = Signal(), Signal(), Signal(), Signal()
+        fraction, carry, after, advance = self._fraction, self._carry, self._after, self._advance
+        following = Signal()
         m.d.comb += following.eq(Mux(advance, carry, after))
         m.d.fast += [advance.eq(self.arm | primed.any() | complete), after.eq(following)]
         with m.If(primed[1:].any() | complete):
