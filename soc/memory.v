@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // On-chip memory of 32-bit words with two ports on one clock: a reads, b reads or writes bytes.
 //
-// Data come out 1 clock after the enable and stay until the next one.  A port that reads a word on the clock on
-// which the other writes it gets the old or the new word: do not do that.
+// Data come out 1 clock after the enable and stay until the next one.  Whoever reads a word on the clock on which
+// it is written, by either port, gets the old or the new one: do not use it.  (Promised either, synthesis would
+// double the block RAM.)
 //
 // In simulation the words are loaded at time 0 from the hexadecimal file named by the plusarg FILE (a format such
 // as "firmware=%s"); words not in the file are 0.  Synthesis sees block RAM.
@@ -21,7 +22,7 @@ module abbe_memory #(
   input [31:0] b_write_data,
   output reg [31:0] b_data
 );
-  reg [31:0] words [0:WORDS-1];
+  (* no_rw_check *) reg [31:0] words [0:WORDS-1];
 
   always @(posedge clk)
     if (a_enable) a_data <= words[a_address];
@@ -32,7 +33,7 @@ module abbe_memory #(
       if (b_write[1]) words[b_address][15:8] <= b_write_data[15:8];
       if (b_write[2]) words[b_address][23:16] <= b_write_data[23:16];
       if (b_write[3]) words[b_address][31:24] <= b_write_data[31:24];
-      if (b_write == 0) b_data <= words[b_address];
+      b_data <= words[b_address];
     end
 
 `ifndef SYNTHESIS

@@ -185,13 +185,17 @@ static uint32_t latency(uint32_t wait, void (*work)(uint32_t before))
     return handled_at - alarm;
 }
 
-/* Sleep until `handled` is no longer `before`.  Judged with interrupts forbidden: none can slip in before wfi. */
+/*
+ * Sleep until `handled` is no longer `before`.  Judged with interrupts forbidden: none can slip in before wfi.
+ * The division is still under way when wfi is reached: a clock stopped too early would leave it for later.
+ */
 static void sleep_while(uint32_t before)
 {
+    uint32_t dividend = 0x80000001u, divisor = 3;
     while (handled == before) {
         forbid_interrupts();
         if (handled == before)
-            __asm__ volatile("wfi");
+            __asm__ volatile("divu %0, %0, %1\n wfi" : "+r"(dividend) : "r"(divisor));
         allow_interrupts();
     }
 }
