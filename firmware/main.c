@@ -2,21 +2,20 @@
 /** The target's program: run the application, sleep when there is nothing to do. */
 #include <stdint.h>
 
+#include "hal/bus.h"
 #include "hal/interrupts.h"
 #include "hal/pwm.h"
 #include "hal/serial.h"
 #include "main.h"
 #include "modules/application.h"
 
+/* What mcause says of an interrupt, with the number of the line. */
+#define CAUSE_BUS_WRITE 0x80000004u
+
 static void stay(void)
 {
     for (;;)
         __asm__ volatile("wfi");
-}
-
-void main_interrupt(void)
-{
-    application_interrupt();
 }
 
 static void say_hex(uint32_t value)
@@ -37,6 +36,13 @@ void main_trap(uint32_t cause, uint32_t at, uint32_t value)
     say_hex(value);
     serial_say("\r\n");
     stay();
+}
+
+void main_interrupt(void)
+{
+    if ((interrupts_pending() & INTERRUPTS_BUS) != 0)
+        main_trap(CAUSE_BUS_WRITE, 0, bus_take_fault());
+    application_interrupt();
 }
 
 int main(void)

@@ -106,6 +106,21 @@ TEST(the_pause_after_a_move_is_busy)
     CHECK_TEXT(closed_loop_send("RS X+"), ":A P\r\n");
 }
 
+TEST(the_status_byte_tells_the_phase_of_a_move)
+{
+    start();
+    SEND("M X=20000");
+    closed_loop_run(50);
+    /* Commanded, enabled, motor on, joystick; ramping, up. */
+    CHECK_TEXT(closed_loop_send("RS X Y"), ":A 63 10\r\n");
+    closed_loop_run(500);
+    CHECK_TEXT(closed_loop_send("RS X Y"), ":A 15 10\r\n");
+    CHECK_TEXT(closed_loop_send("RS X+ Y+"), ":A B \r\n");
+    closed_loop_run(1650);
+    CHECK_TEXT(closed_loop_send("RS X Y"), ":A 31 10\r\n");
+    CHECK_TEXT(closed_loop_send("RB X"), ":\x1f\r\n");
+}
+
 TEST(an_owner_may_refuse_another)
 {
     start();
@@ -336,6 +351,7 @@ TEST_MAIN(RUN(busy_before_the_acknowledge_and_until_arrival);
           RUN(a_move_to_the_present_place_is_over_at_once);
           RUN(axes_of_one_command_start_together);
           RUN(the_pause_after_a_move_is_busy);
+          RUN(the_status_byte_tells_the_phase_of_a_move);
           RUN(an_owner_may_refuse_another);
           RUN(an_owner_that_yields_is_told);
           RUN(an_owner_that_holds_is_busy_between_its_motions);

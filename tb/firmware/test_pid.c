@@ -6,8 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "servo/nudge.h"
-#include "servo/pid.h"
+#include "servo/loop.h"
 
 static double uniform(double low, double high)
 {
@@ -154,6 +153,32 @@ TEST(no_argument_overflows)
     }
 }
 
+TEST(the_loop_takes_any_position_and_set_point)
+{
+    struct loop_config cfg = {
+        .finish_counts = 1, .drift_counts = 18, .runaway_counts = 90000, .runaway_ticks = 50,
+        .dead_ticks = 500, .settle_ticks = 10, .settle_limit_ticks = 2500, .lead_ticks = 3,
+        .nudge = {24, 1000, 2500, 1, 4},
+    };
+
+    srand(5);
+    pid_configure(&cfg.pid, &defaults, 200);
+    for (int i = 0; i < 2000; i++) {
+        struct loop_state st = {0};
+        struct profile_state profile;
+
+        loop_rest(&st);
+        for (int n = 0; n < 30; n++) {
+            int32_t places[] = {INT32_MAX, INT32_MIN, 0, any(), st.position_counts};
+
+            st.commanded = st.commanded || rand() % 4 == 0;
+            profile_rest(&profile, places[rand() % 5] * (INT64_C(1) << 32) + (uint32_t)any());
+            profile.now.velocity_q32 = (int64_t)any() * (INT64_C(1) << rand() % 16);
+            CHECK(abs(loop_tick(&cfg, &st, &profile, places[rand() % 5])) <= 2500);
+        }
+    }
+}
+
 TEST(nudges_grow_until_the_axis_moves_and_shrink_when_it_went_too_far)
 {
     static const struct nudge_config cfg = {
@@ -185,4 +210,5 @@ TEST_MAIN(RUN(follows_its_law_at_the_default_gains);
           RUN(output_and_integral_keep_their_limit);
           RUN(a_clamped_output_does_not_wind_up);
           RUN(no_argument_overflows);
+          RUN(the_loop_takes_any_position_and_set_point);
           RUN(nudges_grow_until_the_axis_moves_and_shrink_when_it_went_too_far))
