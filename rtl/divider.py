@@ -91,9 +91,10 @@ class PixelDivider(wiring.Component):
     settings : In(DividerSettings)
         Held still from the clock of ``arm`` until the next ``arm``.
     arm : In(1)
-        Strobe: a new line; the results go to 0.  ``active`` may follow from the 4th clock on.
+        Strobe: a new line; the results go to 0.  ``active`` may follow from the 4th clock on, and so may the
+        next ``arm``.
     active : In(1)
-        Gate.  Falling, it ends the line; the results stay.
+        Gate.  Falling, it ends the line; the results stay.  Falls in the clock after ``done`` at the latest.
     pixel : Out(1)
         One-clock strobe: a pixel is complete, and a pulse wanted (``settings.emit``).
     done : Out(1)
@@ -107,7 +108,7 @@ class PixelDivider(wiring.Component):
     def __init__(self):
         # State, for proofs; see elaborate().
         self._edges, self._pixels, self._high_water = Countdown(width=WIDTH), Countdown(width=WIDTH), HighWater()
-        self._primed, self._fraction = Signal(3), Signal(WIDTH)
+        self._primed, self._fraction = Signal(3, name="primed"), Signal(WIDTH, name="fraction")
         self._carry, self._after, self._extra, self._advance = Signal(), Signal(), Signal(), Signal()
         super().__init__({
             "step": In(StepStream(WIDTH)), "settings": In(DividerSettings), "arm": In(1), "active": In(1),
