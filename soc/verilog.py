@@ -7,6 +7,7 @@ so that new firmware needs no new build.
 """
 
 import argparse
+import fcntl
 from pathlib import Path
 
 from soc import cpu, memory
@@ -30,8 +31,13 @@ def write(directory):
     """Write ``abbe.v`` into ``directory`` unless the one there is of this design.  Returns its path."""
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
+    with open(directory / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return _write(directory, *_sources(build_id=build_id()))
+
+
+def _write(directory, design, processor, array):
     result, stamp = directory / "abbe.v", directory / "abbe.key"
-    design, processor, array = _sources(build_id=build_id())
     key = toolchain.content_key(design, processor, array, SCRIPT)
     if result.exists() and stamp.exists() and stamp.read_text() == key:
         return result

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from soc import generate, verilog
 from tb import toolchain
+from tb.board.library import cached
 from tb.sim.build import build_model
 
 HERE = Path(__file__).parent
@@ -30,31 +31,34 @@ def build_program():
     parts = [generated["build/generated/regs.h"], generated["build/generated/memory.ld"], " ".join(CFLAGS),
              *sources, HERE / "program" / "link.ld", HERE / "program" / "hal" / "mmio.h"]
     directory = BUILD / toolchain.content_key(*parts)
-    result = directory / "program.hex"
-    if not result.exists():
-        directory.mkdir(parents=True, exist_ok=True)
-        for name in "regs.h", "memory.ld":
-            (directory / name).write_text(generated[f"build/generated/{name}"])
-        elf, image = directory / "program.elf", directory / "program.bin"
-        toolchain.run(["riscv64-unknown-elf-gcc", *CFLAGS, f"-I{directory}", f"-I{HERE / 'program'}",
-                       f"-L{directory}", "-T", HERE / "program" / "link.ld", "-o", elf, *sources])
-        toolchain.run(["riscv64-unknown-elf-objcopy", "-O", "binary", elf, image])
-        result.write_text(words(image.read_bytes()))
-    return result
+    with cached(directory) as empty:
+        if empty:
+            _compile(directory, generated, sources)
+    return directory / "program.hex"
+
+
+def _compile(directory, generated, sources):
+    for name in "regs.h", "memory.ld":
+        (directory / name).write_text(generated[f"build/generated/{name}"])
+    elf, image = directory / "program.elf", directory / "program.bin"
+    toolchain.run(["riscv64-unknown-elf-gcc", *CFLAGS, f"-I{directory}", f"-I{HERE / 'program'}",
+                   f"-L{directory}", "-T", HERE / "program" / "link.ld", "-o", elf, *sources])
+    toolchain.run(["riscv64-unknown-elf-objcopy", "-O", "binary", elf, image])
+    (directory / "program.hex").write_text(words(image.read_bytes()))
 
 
 def build_bench():
     """Build the loop around the Verilated model; returns its path."""
     model = build_model(verilog.write(toolchain.BUILD / "soc"))
     source = HERE / "bench.cpp"
-    result = BUILD / toolchain.content_key(source, model.name) / "bench"
-    if not result.exists():
-        result.parent.mkdir(parents=True, exist_ok=True)
-        include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
-        toolchain.run(["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-I", model, "-isystem", include,
-                       "-isystem", include / "vltstd", "-DVL_TIME_CONTEXT", "-o", result, source,
-                       model / "Vabbe__ALL.a", model / "libverilated.a", "-pthread"])
-    return result
+    directory = BUILD / toolchain.content_key(source, model.name)
+    with cached(directory) as empty:
+        if empty:
+            include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
+            toolchain.run(["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-I", model, "-isystem", include,
+                           "-isystem", include / "vltstd", "-DVL_TIME_CONTEXT", "-o", directory / "bench", source,
+                           model / "Vabbe__ALL.a", model / "libverilated.a", "-pthread"])
+    return directory / "bench"
 
 
 def run(clocks, *arguments):
