@@ -267,6 +267,28 @@ async def disarming_ends_a_line_and_keeps_its_results(dut):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def an_event_interrupts_within_half_a_microsecond_of_its_pin(dut):
+    control = Controller(dut, seed=4)
+    await control.start()
+    for turn in range(20):
+        await control.set_line(Line(reference=control.position[0] + 2, whole=3, pixels=1))
+        await control.arm()
+        mover = cocotb.start_soon(control.move(0, control.position[0] + 2))
+        for pin, event in (dut.sync_out, 1), (dut.encoder_out, 2):
+            await RisingEdge(pin)
+            at_pin = now()
+            await RisingEdge(dut.interrupt)
+            assert now() - at_pin <= 500_000
+            assert await control.read("compare.interrupt") == event
+            assert await control.read("divider.produced") == event - 1
+            await control.write("compare.interrupt", event)
+            if event == 1:
+                await mover
+                mover = cocotb.start_soon(control.move(0, control.position[0] + 4))
+        await mover
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def settings_written_during_a_line_wait_for_the_next(dut):
     control = Controller(dut)
     await control.start()
