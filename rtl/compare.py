@@ -15,7 +15,7 @@ SLICE = 8
 
 
 CompareSettings = data.StructLayout({"axis": 2, "reverse": 1, "reference": signed(WIDTH)})
-"""``axis``: whose steps are compared.  ``reverse``: 1 scans toward lower counts.  ``reference``: edge in counts."""
+"""``axis``: whose steps are compared.  ``reverse``: 1 scans toward lower counts.  ``reference``: an edge."""
 
 
 class PositionCompare(wiring.Component):
@@ -146,8 +146,9 @@ class ComparePeripheral(wiring.Component):
 
     class Control(Register, access="w"):
         """Begins and ends a line.  Leave all settings alone until busy is 0: they are taken meanwhile."""
-        arm: Field(action.W, 1, doc="Ends what is under way and arms anew; refused by the divider, it only ends. "
-                                    "While busy it is done afterwards; the last write counts.")
+        arm: Field(action.W, 1,
+                   doc="Ends what is under way and arms anew; refused by the divider, it only ends. "
+                       "While busy it is done afterwards; the last write counts.")
         disarm: Field(action.W, 1, doc="Ends what is under way. Wins over arm.")
 
     class Status(Register, access="r"):

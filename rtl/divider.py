@@ -65,7 +65,8 @@ class HighWater(wiring.Component):
         with m.Elif(self.backward):
             m.d.fast += [low.eq(low + 1), spare.eq(spare | low.all()), self.front.eq(0)]
         with m.Elif(regain):
-            m.d.fast += [low.eq(low - 1), spare.eq(spare & (low != 0)), self.front.eq(near & ~spare & (low == 1))]
+            m.d.fast += [low.eq(low - 1), spare.eq(spare & (low != 0)),
+                         self.front.eq(near & ~spare & (low == 1))]
         with m.If(~self.active):
             m.d.fast += high.eq(0)
         with m.Elif(carry | borrow):
@@ -107,7 +108,8 @@ class PixelDivider(wiring.Component):
 
     def __init__(self):
         # State, for proofs; see elaborate().
-        self._edges, self._pixels, self._high_water = Countdown(width=WIDTH), Countdown(width=WIDTH), HighWater()
+        self._edges, self._pixels = Countdown(width=WIDTH), Countdown(width=WIDTH)
+        self._high_water = HighWater()
         self._primed, self._fraction = Signal(3, name="primed"), Signal(WIDTH, name="fraction")
         self._carry, self._after, self._extra, self._advance = Signal(), Signal(), Signal(), Signal()
         super().__init__({
@@ -214,7 +216,8 @@ class DividerPeripheral(wiring.Component):
 
     class Width(Register, access="rw"):
         """Length of a pulse."""
-        value: Field(action.RW, WIDTH_BITS, unit="fast clocks", doc="Taken at the next pulse. 0 is refused at arming.")
+        value: Field(action.RW, WIDTH_BITS, unit="fast clocks",
+                     doc="Taken at the next pulse. 0 is refused at arming.")
 
     class IntervalMin(Register, access="rw"):
         """Time between two pixels at the highest speed the line is scanned at; used to judge Width only."""
@@ -236,8 +239,8 @@ class DividerPeripheral(wiring.Component):
 
     class EndPosition(Register, access="r"):
         """Position at the last pixel that Produced counts."""
-        value: Field(action.R, signed(WIDTH), unit="counts", doc="Just after its edge, on the axis of the divider. "
-                                                                 "To 0 at arming.")
+        value: Field(action.R, signed(WIDTH), unit="counts",
+                     doc="Just after its edge, on the axis of the divider. To 0 at arming.")
 
     class Merged(Register, access="r"):
         """Pulses of the line that came while the last was still high, and so lengthened it."""

@@ -164,7 +164,8 @@ class LinePeripheral(wiring.Component):
         self._divider = DividerPeripheral()
         self._router = RouterPeripheral()
         super().__init__({
-            "compare_bus": In(self._compare.bus.signature.flip()), "divider_bus": In(self._divider.bus.signature.flip()),
+            "compare_bus": In(self._compare.bus.signature.flip()),
+            "divider_bus": In(self._divider.bus.signature.flip()),
             "router_bus": In(self._router.bus.signature.flip()),
             **{f"step{n}": In(StepStream()) for n in range(AXES)},
             "interrupt": Out(1), "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),

@@ -38,7 +38,8 @@ class Pulse(wiring.Component):
 
     def __init__(self, *, width):
         self._countdown = Countdown(width=width)
-        super().__init__({"trigger": In(1), "width": In(width), "clear": In(1), "pulse": Out(1), "merged": Out(32)})
+        super().__init__({"trigger": In(1), "width": In(width), "clear": In(1),
+                          "pulse": Out(1), "merged": Out(32)})
 
     def elaborate(self, platform):
         m = Module()

@@ -140,13 +140,14 @@ class PixelsFollowTheRecurrence(Proof):
     """Any line, any steps: pixel k exactly when progress first comes to floor(S), S <- S + N from S = phi."""
 
     block = "rtl.divider"
-    depth = 4
+    depth = 2
     cover_depth = 16
     bug_depth = 14
     widths = "N 32.32, phase 32, pixels 32, progress 32, sum 64"
     bugs = {
         "the carry is lost": ("edges.extra.eq(extra)", "edges.extra.eq(0)"),
-        "the carry comes a pixel late at full rate": ("following.eq(Mux(advance, carry, after))", "following.eq(after)"),
+        "the carry comes a pixel late at full rate": ("following.eq(Mux(advance, carry, after))",
+                                                      "following.eq(after)"),
         "the phase is ignored": ("fraction.eq(self.settings.phase)", "fraction.eq(0)"),
         "ground regained counts again": ("forward & high_water.front & self.active", "forward & self.active"),
         "a pixel too many": ("self.done.eq(complete & pixels.last)", "self.done.eq(complete & ~pixels.last)"),
@@ -213,13 +214,13 @@ class PixelsFollowTheRecurrence(Proof):
             m.d.formal += [progress.eq(0), due.eq(phase + step), done_pixels.eq(0), end.eq(0), finished.eq(0)]
 
         # Results a step after the strobes, and still those of the line before in the step after an arming.
-        ready = age != 1
+        ready = age > 1
         m.d.comb += [
             Assert(dut.pixel == register(m, 1, complete & emit)), Assert(dut.done == register(m, 1, last)),
         ]
         shown, shown_end = register(m, 32, done_pixels), register(m, signed(32), end)
         m.d.comb += [
-            Assert(~ready | (age == 0) | (dut.produced == shown)), Assert(~ready | (age == 0) | (dut.end_position == shown_end)),
+            Assert(~ready | (dut.produced == shown)), Assert(~ready | (dut.end_position == shown_end)),
         ]
 
         # What induction needs to know of the inside.
@@ -240,10 +241,11 @@ class PixelsFollowTheRecurrence(Proof):
         m.d.comb += first.eq(phase + fraction)
         m.d.comb += [
             Assert(dut._primed == Cat(age == 1, age == 2, age == 3)),
-            Assert(arm | (age == 0) | (age > 4) | (age == 4) | dut._advance),
+            Assert(arm | (age == 0) | settled | dut._advance),
             Assert(arm | (age != 1) | (dut._fraction == phase)),
             Assert(arm | (age != 2) | (Cat(dut._fraction, dut._carry) == first)),
-            Assert(arm | (age != 3) | ((dut._extra == first[32]) & (dut._fraction == f[1]) & (dut._carry == carries[1]))),
+            Assert(arm | (age != 3) | ((dut._extra == first[32]) & (dut._fraction == f[1])
+                                       & (dut._carry == carries[1]))),
             Assert(arm | ~settled | (dut._extra == carries[1])),
             Assert(arm | ~settled | Mux(dut._advance, (dut._carry == carries[2]) & (dut._fraction == f[2]),
                                   (dut._after == carries[2]) & (dut._carry == carries[3])
@@ -251,7 +253,8 @@ class PixelsFollowTheRecurrence(Proof):
             Assert(arm | (age < 2) | ((dut._edges._start == whole) & (dut._pixels._start == pixels))),
             Assert(~finished | ~dut._edges.last), Assert(~finished | settled), Assert(age <= 4),
             Assert(~settled | finished | (pixels_left != 0)),
-            Assert(arm | settled | (age == 0) | ((progress == 0) & (done_pixels == 0) & (due == (phase + step)[:64]))),
+            Assert(arm | settled | (age == 0)
+                   | ((progress == 0) & (done_pixels == 0) & (due == (phase + step)[:64]))),
             Assert(settled | (behind == 0) | (age == 1)),
         ]
         m.d.comb += [
