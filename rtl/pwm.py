@@ -7,10 +7,12 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from rtl.registers import Field, Register, RegisterBank, action
 
-__all__ = ["AXES", "PERIOD_CLOCKS", "Pwm", "PwmPeripheral", "ServoTick"]
+__all__ = ["AXES", "DUTY_PERIODS", "PERIOD_CLOCKS", "Pwm", "PwmPeripheral", "ServoTick"]
 
 AXES = 4
 PERIOD_CLOCKS = 2500
+DUTY_PERIODS = 2
+"""PWM periods from a servo tick to the duties it causes, unless set otherwise: 100 us for the firmware."""
 
 
 class Pwm(wiring.Component):
@@ -69,7 +71,9 @@ class Pwm(wiring.Component):
 
 
 class ServoTick(wiring.Component):
-    """Every ``divider``-th start of a PWM period.  Domain ``sync``.
+    """Every ``divider``-th start of a PWM period, and the one between two of them at which duties are taken.
+
+    Domain ``sync``.
 
     Members
     -------
@@ -77,23 +81,37 @@ class ServoTick(wiring.Component):
         One-clock strobe at the start of a PWM period.
     divider : In(8)
         Periods per tick; 0 = no ticks.  Taken at a tick, or at once when it was 0.
+    delay : In(8)
+        Periods from a tick to ``take``; 0, or more than there are: at the next tick.
     tick : Out(1)
         One-clock strobe, 1 clock after the ``start`` it belongs to.
+    take : Out(1)
+        On the clock of one ``start`` in each servo period; of every ``start`` while there are no ticks.
     """
 
     start: In(1)
     divider: In(8)
+    delay: In(8)
     tick: Out(1)
+    take: Out(1)
 
     def elaborate(self, platform):
         m = Module()
-        left = Signal(8)
+        left = Signal(8)                # starts before the next tick
+        wait = Signal(8)                # starts before the duties are taken
+        waiting = Signal()
         due = self.start & (left == 0) & (self.divider != 0)
+        stopped = (left == 0) & (self.divider == 0)
+        m.d.comb += self.take.eq(self.start & (stopped | (waiting & ((wait == 0) | due))))
         m.d.sync += self.tick.eq(due)
         with m.If(due):
-            m.d.sync += left.eq(self.divider - 1)
-        with m.Elif(self.start & (left != 0)):
-            m.d.sync += left.eq(left - 1)
+            m.d.sync += [left.eq(self.divider - 1), wait.eq(self.delay - 1), waiting.eq(1)]
+        with m.Elif(self.start):
+            m.d.sync += wait.eq(wait - 1)
+            with m.If(left != 0):
+                m.d.sync += left.eq(left - 1)
+            with m.If(self.take):
+                m.d.sync += waiting.eq(0)
         return m
 
 
@@ -101,8 +119,9 @@ class PwmPeripheral(wiring.Component):
     """Four PWM channels and the servo tick on the CSR bus.  Domain ``sync``.
 
     The order of things in a servo period: a PWM period starts, ``tick_stb`` asks for the snapshot 1 clock
-    later, ``latched_stb`` answers, ``interrupt`` rises 1 clock after that, and a duty written before the next
-    PWM period starts is driven from there on.
+    later, ``latched_stb`` answers, and ``interrupt`` rises 1 clock after that.  The duties of all axes are taken
+    together at the start of the PWM period ``DutyDelay`` periods after the tick, whenever before it they were
+    written: so the time from a snapshot to the drive it causes is constant, whatever the processor does.
 
     Parameters
     ----------
@@ -129,7 +148,8 @@ class PwmPeripheral(wiring.Component):
     class Duty(Register, access="rw"):
         """Drive of one axis."""
         value: Field(action.RW, signed(13), unit="clocks of 2500",
-                     doc="-2500 to 2500, clamped; positive drives toward +. Taken at the start of a PWM period.")
+                     doc="-2500 to 2500, clamped; positive drives toward +. Taken with those of the other "
+                         "axes, DutyDelay after a servo tick.")
 
     class Control(Register, access="rw"):
         """Which axes may be driven."""
@@ -140,6 +160,12 @@ class PwmPeripheral(wiring.Component):
         """Rate of the servo tick."""
         value: Field(action.RW, unsigned(8), init=4, unit="PWM periods",
                      doc="Periods per servo tick; 0 stops it. Taken at a tick.")
+
+    class DutyDelay(Register, access="rw"):
+        """Time from a servo tick to the duties it causes."""
+        value: Field(action.RW, unsigned(8), init=DUTY_PERIODS, unit="PWM periods",
+                     doc="Duties are taken at the start of the PWM period so many after the servo tick; 0, or more "
+                         "than TickDivider: at the next tick. Without ticks, at every period. Taken at a tick.")
 
     class Status(Register, access="r"):
         """State of the drives."""
@@ -160,6 +186,7 @@ class PwmPeripheral(wiring.Component):
         self._tick_divider = registers.add(self.TickDivider, offset=0x14)
         self._status = registers.add(self.Status, offset=0x18)
         self._interrupt = registers.add(self.Interrupt, offset=0x1c)
+        self._duty_delay = registers.add(self.DutyDelay, offset=0x20)
         memory_map = registers.finish()
         super().__init__({
             "bus": In(registers.bus_signature), "inhibit": In(1), "tick_stb": Out(1), "latched_stb": In(1),
@@ -177,20 +204,24 @@ class PwmPeripheral(wiring.Component):
         m.d.comb += start.eq(phase == self._period_clocks - 1)
         m.d.sync += phase.eq(Mux(start, 0, phase + 1))
 
+        m.submodules.tick = tick = ServoTick()
         enable = self._control.f.enable.data
         for n, duty in enumerate(self._duty):
             m.submodules[f"axis{n}"] = axis = Pwm(period_clocks=self._period_clocks)
+            taken = Signal(signed(13), name=f"taken{n}")
+            with m.If(tick.take):
+                m.d.sync += taken.eq(duty.f.value.data)
             m.d.comb += [
-                axis.duty.eq(duty.f.value.data), axis.off.eq(self.inhibit | ~enable[n]),
+                axis.duty.eq(Mux(tick.take, duty.f.value.data, taken)), axis.off.eq(self.inhibit | ~enable[n]),
                 axis.start.eq(start), axis.phase.eq(phase),
                 self.pwm[n].eq(axis.pwm), self.dir[n].eq(axis.dir),
             ]
         m.d.sync += self.motor_enable.eq(enable.any() & ~self.inhibit)
 
-        m.submodules.tick = tick = ServoTick()
         interrupt = self._interrupt.f
         m.d.comb += [
             tick.start.eq(start), tick.divider.eq(self._tick_divider.f.value.data),
+            tick.delay.eq(self._duty_delay.f.value.data),
             self.tick_stb.eq(tick.tick),
             interrupt.tick.set.eq(self.latched_stb),
             interrupt.overrun.set.eq(tick.tick & interrupt.tick.data),

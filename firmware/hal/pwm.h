@@ -11,7 +11,10 @@ enum {
     PWM_PERIOD_US = 50,
 };
 
-/** Set the duty of an axis, -PWM_FULL_STEPS to PWM_FULL_STEPS; taken at the next PWM period. */
+/**
+ * Set the duty of an axis, -PWM_FULL_STEPS to PWM_FULL_STEPS. The gateware takes those of all axes
+ * together, 100 us after the servo tick (register DutyDelay).
+ */
 void pwm_set_steps(unsigned axis, int32_t steps);
 
 /** Drive exactly these axes (bit mask); the others brake. */

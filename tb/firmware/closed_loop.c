@@ -17,7 +17,7 @@
 #include "port.h"
 #include "regs.h"
 
-enum { TICK_PS = 200000000, PWM_PERIOD_PS = 50000000 };
+enum { TICK_PS = 200000000, DUTY_DELAY_PS = 100000000 }; /* a servo period; DutyDelay of rtl/pwm.py */
 
 static const char plant[] =
 #include "plant.h"
@@ -75,9 +75,9 @@ void closed_loop_tick(void)
     board_advance(board, now_ps);
     latch();
     axis_tick();
-    board_advance(board, now_ps + PWM_PERIOD_PS);
+    board_advance(board, now_ps + DUTY_DELAY_PS);
     for (unsigned axis = 0; axis < 4; axis++)
-        board_drive(board, now_ps + PWM_PERIOD_PS, axis,
+        board_drive(board, now_ps + DUTY_DELAY_PS, axis,
                     (reversed[axis] ? -1 : 1) * pwm_duty_read(axis) / 2500.0 + push[axis]);
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->poll != NULL)

@@ -15,7 +15,7 @@ from tb.rtl.register_bus import idle, read
 
 PERIOD = int(os.environ.get("PERIOD", "2500"))
 AXES = 4
-DUTY, CONTROL, DIVIDER, STATUS, INTERRUPT = 0x00, 0x10, 0x14, 0x18, 0x1c
+DUTY, CONTROL, DIVIDER, STATUS, INTERRUPT, DELAY = 0x00, 0x10, 0x14, 0x18, 0x1c, 0x20
 TICK, OVERRUN = 1, 2
 LEAD = 1        # tick_stb comes 1 clock after the period starts, the pins 2: they lag the tick by this
 
@@ -26,7 +26,7 @@ class Bench:
     def __init__(self, dut):
         self.dut, self.pins, self.ticks = dut, [], []
 
-    async def start(self, *, divider=1, enable=0xf):
+    async def start(self, *, divider=1, delay=0, enable=0xf):
         dut = self.dut
         seed = random.randrange(1 << 32)
         dut._log.info(f"seed {seed}")
@@ -39,6 +39,7 @@ class Bench:
         assert (dut.pwm.value, dut.dir.value, dut.motor_enable.value) == (0, 0, 0)
         dut.rst.value = 0
         cocotb.start_soon(self._record())
+        await self.write(DELAY, delay)
         await self.write(DIVIDER, divider)
         await self.write(CONTROL, enable)
 
@@ -54,9 +55,9 @@ class Bench:
             self.pins.append((self.dut.pwm.value.to_unsigned(), self.dut.dir.value.to_unsigned()))
 
     async def tick(self):
-        """Wait for the next tick, at most a few periods."""
+        """Wait for the next tick, at most ten periods."""
         seen = len(self.ticks)
-        for _ in range(3 * PERIOD):
+        for _ in range(10 * PERIOD):
             await FallingEdge(self.dut.clk)
             if len(self.ticks) > seen:
                 return
@@ -102,6 +103,43 @@ async def pins_follow_the_duties_of_the_start_of_each_period(dut):
         for n, duty in enumerate(duties):
             assert axis(bench.period(number), n) == expected(duty), (number, n, duty)
     assert await read(dut, DUTY) == sets[-1][0] & 0x1fff
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+@cocotb.parametrize(divider=[4], delay=[0, 1, 2, 3, 4, 9])
+async def duties_are_driven_a_constant_time_after_their_tick(dut, divider, delay):
+    """Written at any moment before, by a processor as late as it likes, they come at one PWM period."""
+    bench = Bench(dut)
+    await bench.start(divider=divider, delay=delay)
+    periods = delay if 0 < delay <= divider else divider
+    sets = [[bench.rng.randint(-PERIOD, PERIOD) for _ in range(AXES)] for _ in range(6)]
+    await bench.tick()                                      # delay is taken here
+    await bench.tick()
+    first = len(bench.ticks) - 1
+    for duties in sets:
+        await ClockCycles(dut.clk, 1 + bench.rng.randrange(periods * PERIOD - 30), FallingEdge)
+        for n in bench.rng.sample(range(AXES), AXES):
+            await bench.write(DUTY + 4 * n, duties[n])
+        await bench.tick()
+    await bench.tick()
+    await bench.tick()
+    for number, (before, duties) in enumerate(zip(sets, sets[1:]), first + 1):
+        for period in range(divider):
+            # Up to the period at which they are taken the duties of the tick before hold.
+            start = bench.ticks[number] + LEAD + period * PERIOD
+            due = duties if period >= periods else before
+            for n in range(AXES):
+                assert axis(bench.pins[start:start + PERIOD], n) == expected(due[n]), (number, period, n)
+
+
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def without_ticks_duties_are_taken_at_every_period(dut):
+    bench = Bench(dut)
+    await bench.start(divider=0, delay=2)
+    for duty in (PERIOD, 0, PERIOD, 0):
+        await bench.write(DUTY, duty)
+        await ClockCycles(dut.clk, 2 * PERIOD, FallingEdge)
+        assert dut.pwm.value[0] == (duty != 0)
 
 
 @cocotb.test(timeout_time=10, timeout_unit="ms")

@@ -69,15 +69,24 @@ def test_the_emergency_stop_takes_the_drive_off_the_pins(powered):
 
 
 def test_the_duty_is_taken_at_one_phase(powered):
-    """Rising edges of the motor pin lie on a grid of the PWM period, whatever the firmware does meanwhile."""
+    """Pulses of the motor pin lie on a grid of the PWM period, and change on a grid of the servo tick.
+
+    Whatever the firmware does meanwhile: so the time from a snapshot to the drive it causes is constant.
+    """
     powered.record("x_pwm")
-    powered.command("M X=20000")
+    powered.command("M X=20000 Y=20000 Z=20000 F=20000")
     for _ in range(10):
         powered.command("W X Y Z F")
     changes = powered.changes()
-    rising = changes[changes["level"] == 1]["time_ps"]
+    rising, falling = (changes["time_ps"][changes["level"] == level] for level in (1, 0))
+    falling = falling[falling > rising[0]][:len(rising)]
+    rising = rising[:len(falling)]
     assert len(rising) > 100
     assert len(np.unique(rising % (50 * US))) == 1
+    width = falling - rising
+    changed = (np.diff(width) != 0) & (np.diff(rising) == 50 * US)
+    assert changed.sum() > 20
+    assert len(np.unique(rising[1:][changed] % (200 * US))) == 1
 
 
 def test_a_limit_switch_stops_the_axis(built):
