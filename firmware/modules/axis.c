@@ -21,6 +21,7 @@ struct handover {
     uint64_t tick;
     struct profile_point start;
     const struct profile_plan *plan;
+    bool commanded;
 };
 
 /* What each tick touches stands together: the data cache is small. */
@@ -28,11 +29,11 @@ struct axis {
     /* The main loop's. */
     const struct loop_config *volatile config;
     volatile bool enabled;
-    volatile uint32_t enables; /* times it was switched on */
+    volatile uint32_t enables, disables; /* times it was switched on and off */
     struct handover handover;
 
     /* The interrupt's. */
-    uint32_t enables_seen;
+    uint32_t enables_seen, disables_seen;
     const struct loop_config *config_seen;
     bool off; /* must not or cannot be driven */
     bool fault;
@@ -81,7 +82,7 @@ static void take_handover(struct axis *a)
         return;
     }
     profile_begin(&a->profile, h->plan);
-    a->loop.commanded = true;
+    a->loop.commanded = h->commanded;
     a->begin_tick = ticks;
     a->limit_at_start = a->limit_lower || a->limit_upper;
     h->state = AXIS_HANDOVER_NONE;
@@ -94,7 +95,9 @@ static void supervise(struct axis *a, bool inhibited)
         a->enables_seen = a->enables;
         a->fault = false;
     }
-    a->off = inhibited || !a->enabled || a->fault;
+    /* Switched off counts also when it is on again already. */
+    a->off = inhibited || !a->enabled || a->fault || a->disables_seen != a->disables;
+    a->disables_seen = a->disables;
     if (a->loop.mode != LOOP_FREE) {
         if (a->off)
             stop(a, AXIS_STOP_INHIBITED);
@@ -132,8 +135,8 @@ static bool rests(const struct axis *a, int32_t position_counts, bool inhibited)
 {
     return a->loop.mode == LOOP_IDLE && a->loop.still_ticks > LOOP_LEAD_TICKS &&
            position_counts == a->loop.position_counts && a->profile.plan == NULL &&
-           a->handover.state == AXIS_HANDOVER_NONE && a->enabled && !inhibited &&
-           a->config == a->config_seen;
+           a->handover.state == AXIS_HANDOVER_NONE && a->enabled &&
+           a->disables == a->disables_seen && !inhibited && a->config == a->config_seen;
 }
 
 static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
@@ -315,6 +318,8 @@ void axis_enable(unsigned axis, bool enable)
 {
     if (enable)
         axes[axis].enables = axes[axis].enables + 1;
+    else
+        axes[axis].disables = axes[axis].disables + 1;
     axes[axis].enabled = enable;
 }
 
@@ -323,6 +328,14 @@ bool axis_enabled(unsigned axis)
     const struct axis *a = &axes[axis];
 
     return a->enabled && (!a->fault || a->enables_seen != a->enables);
+}
+
+bool axis_inhibited(void)
+{
+    struct inputs inputs;
+
+    inputs_read(&inputs);
+    return inputs.estop;
 }
 
 struct profile_plan *axis_plan(unsigned axis)
@@ -337,13 +350,15 @@ struct profile_plan *axis_plan(unsigned axis)
     return p->spare;
 }
 
-void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick)
+void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick,
+                    bool commanded)
 {
     struct axis *a = &axes[axis];
 
     a->handover.plan = preparations[axis].spare;
     a->handover.start = *start;
     a->handover.tick = tick;
+    a->handover.commanded = commanded;
     atomic_signal_fence(memory_order_release);
     a->handover.state = AXIS_HANDOVER_PENDING;
 }

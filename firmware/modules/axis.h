@@ -94,9 +94,12 @@ void axis_read(unsigned axis, struct axis_view *view);
 /** Give an axis new loop settings; they are copied, and taken as a whole at a tick. */
 void axis_configure(unsigned axis, const struct loop_config *config);
 
-/** Switch an axis' drive and loop on or off; on also clears a fault. */
+/** Switch an axis' drive and loop on or off; off stops it, on also clears a fault. */
 void axis_enable(unsigned axis, bool enable);
 bool axis_enabled(unsigned axis);
+
+/** The emergency stop holds all drives off, now. */
+bool axis_inhibited(void);
 
 /** The set-point an axis will have at a tick from now on, if nothing stops it. */
 struct profile_point axis_predict(unsigned axis, uint64_t tick);
@@ -109,8 +112,12 @@ struct profile_plan *axis_plan(unsigned axis);
  *
  * It begins only if the set-point then is exactly `start`, which it was planned from; otherwise the
  * handover is late. At rest that holds at any tick, so a plan from rest can only be delayed.
+ *
+ * @param commanded  The motion is reported when it arrives, after the pause (WT); a stop is neither
+ *                   reported nor followed by a pause, and ends the one in progress.
  */
-void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick);
+void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick,
+                    bool commanded);
 
 enum axis_handover axis_handover(unsigned axis);
 

@@ -78,7 +78,7 @@ static void plan(unsigned axis, uint64_t tick, struct profile_point *start)
 {
     struct motion *m = &motions[axis];
     struct profile_plan *made = axis_plan(axis);
-    double speed_per_tick = tuning_counts_per_tick(axis, m->move.speed_mm_per_s);
+    double speed_per_tick = m->move.speed_counts_per_s * (AXIS_TICK_US * 1e-6);
     double acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms);
     int64_t target_q32 = (int64_t)m->move.target_counts * (INT64_C(1) << 32);
 
@@ -103,7 +103,7 @@ static void launch(unsigned axes, unsigned lead_ticks)
             plan(axis, tick, &starts[axis]);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
-            axis_hand_over(axis, &starts[axis], tick);
+            axis_hand_over(axis, &starts[axis], tick, !motions[axis].stopping);
 }
 
 void motion_start(const struct motion_move *moves, unsigned count)
@@ -117,8 +117,6 @@ void motion_start(const struct motion_move *moves, unsigned count)
             continue;
         m->move = moves[i];
         m->move.target_counts = limits_clip(moves[i].axis, moves[i].target_counts);
-        if (m->move.speed_mm_per_s > TUNING_SPEED_MAX_MM_PER_S)
-            m->move.speed_mm_per_s = TUNING_SPEED_MAX_MM_PER_S;
         m->stopping = false;
         axes |= MOTION_AXIS(moves[i].axis);
     }
@@ -135,12 +133,15 @@ void motion_stop(unsigned axes)
 
         if ((axes & MOTION_AXIS(axis)) == 0)
             continue;
+        /* A stop under way is left alone: stops that follow each other would put it off. */
+        if (m->stopping && axis_handover(axis) != AXIS_HANDOVER_NONE)
+            continue;
         (void)axis_plan(axis); /* withdraws one that has not begun */
         axis_read(axis, &view);
-        if (!view.planned)
+        if ((m->stopping && view.planned) || (!view.planned && !view.commanded))
             continue;
         m->stopping = true;
-        m->move.speed_mm_per_s = TUNING_SPEED_MAX_MM_PER_S;
+        m->move.speed_counts_per_s = tuning_counts_per_s(axis, TUNING_SPEED_MAX_MM_PER_S);
         m->move.ramp_ms = TUNING_BRAKE_MS;
         moving |= MOTION_AXIS(axis);
     }
@@ -168,6 +169,11 @@ void motion_enable(unsigned axis, bool enable)
 bool motion_enabled(unsigned axis)
 {
     return axis_enabled(axis);
+}
+
+bool motion_ready(unsigned axis)
+{
+    return axis_enabled(axis) && !axis_inhibited();
 }
 
 bool motion_axis_busy(unsigned axis)
@@ -266,8 +272,10 @@ static void report(unsigned axis)
     struct axis_view view;
 
     axis_read(axis, &view);
-    if (view.off && axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (view.off && axis_handover(axis) != AXIS_HANDOVER_NONE) {
         (void)axis_plan(axis);
+        tell(axis, MOTION_DISABLED);
+    }
     if (view.report.stops != m->stops_seen) {
         m->stops_seen = view.report.stops;
         if (code(axis, &view.report) != FAULT_NONE)

@@ -49,8 +49,8 @@ struct motion_owner {
 struct motion_move {
     unsigned axis;
     int32_t target_counts;
-    double speed_mm_per_s; /* cruise speed, above 0; clipped at the axis' maximum */
-    double ramp_ms;        /* from rest to speed_mm_per_s, and back; above 0 */
+    double speed_counts_per_s; /* cruise speed, above 0, at most the axis' maximum */
+    double ramp_ms;            /* from rest to speed_counts_per_s, and back; above 0 */
 };
 
 /** A bit for each axis. */
@@ -77,11 +77,14 @@ const struct motion_owner *motion_owner(unsigned axis);
  * claimed. A disabled axis stays where it is, without an error.
  *
  * With speed and ramp the same as for any other move, a scan line is a move that begins and ends
- * beyond the active part: the speed in between is exactly speed_mm_per_s.
+ * beyond the active part: the speed in between is exactly speed_counts_per_s.
  */
 void motion_start(const struct motion_move *moves, unsigned count);
 
-/** Brake axes to rest as fast as the drive allows; the count they stop on is the new target. */
+/**
+ * Brake axes to rest as fast as the drive allows; the count they stop on is the new target. Ends a
+ * pause (WT) as well; axes that brake already go on doing so.
+ */
 void motion_stop(unsigned axes);
 
 /** Stop everything and tell all owners MOTION_HALTED. True: a commanded motion was in progress. */
@@ -90,6 +93,9 @@ bool motion_halt(void);
 /** Take an axis out of control (drive off) or back (at rest where it is). */
 void motion_enable(unsigned axis, bool enable);
 bool motion_enabled(unsigned axis);
+
+/** The axis would move if it were told to: enabled, and the emergency stop is not pressed. */
+bool motion_ready(unsigned axis);
 
 /** A commanded motion is in progress, on any axis or on one; true until the pause (WT) is over. */
 bool motion_busy(void);

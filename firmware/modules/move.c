@@ -39,7 +39,7 @@ static unsigned read_moves(const struct request *request, bool relative, struct 
         if (argument == NULL || argument->kind == ARGUMENT_QUERY)
             continue;
         move->axis = axis;
-        move->speed_mm_per_s = tuning_speed_mm_per_s(axis);
+        move->speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_mm_per_s(axis));
         move->ramp_ms = tuning_ramp_ms(axis);
         if (relative) {
             /* Both within +-2^30. */

@@ -14,11 +14,18 @@
 #include "modules/motion.h"
 #include "modules/tuning.h"
 
+/* How fast an axis is moved, as it was set when the scan started. */
+struct pace {
+    double counts_per_s;
+    double ramp_ms;
+};
+
 /* A scan in progress. */
 static struct {
     enum scan_state state;
     struct scan_setup setup;
     struct scan_plan plan;
+    struct pace line_pace, retrace_pace, slow_pace;
     int32_t slow_first, slow_last; /* counts: first line, and the one after the last */
     uint32_t line;                 /* lines completed: the number of the one in hand */
     unsigned axes;                 /* that are claimed */
@@ -97,7 +104,7 @@ static enum status prepare(const struct scan_setup *setup, struct scan_plan *pla
     const enum status status = plan_fast_axis(setup, plan);
     if (status != STATUS_OK)
         return status;
-    if (!motion_enabled((unsigned)setup->fast))
+    if (!motion_ready((unsigned)setup->fast))
         return STATUS_FAILED;
     if (setup->slow != SCAN_NO_AXIS) {
         const unsigned slow = (unsigned)setup->slow;
@@ -107,7 +114,7 @@ static enum status prepare(const struct scan_setup *setup, struct scan_plan *pla
         if (!within(coordinates_mm_to_counts(slow, setup->slow_start_mm), slow) ||
             !within(coordinates_mm_to_counts(slow, last_mm), slow))
             return STATUS_RANGE;
-        if (!motion_enabled(slow))
+        if (!motion_ready(slow))
             return STATUS_FAILED;
     }
     return STATUS_OK;
@@ -120,11 +127,19 @@ enum status scan_run_check(const struct scan_setup *setup)
     return prepare(setup, &plan);
 }
 
-static void go(int axis, int32_t target_counts, double speed_mm_per_s)
+static struct pace pace_of(int axis, double speed_mm_per_s)
+{
+    return (struct pace){
+        .counts_per_s = tuning_counts_per_s((unsigned)axis, speed_mm_per_s),
+        .ramp_ms = tuning_ramp_ms((unsigned)axis),
+    };
+}
+
+static void go(int axis, int32_t target_counts, const struct pace *pace)
 {
     const struct motion_move move = {
         .axis = (unsigned)axis, .target_counts = target_counts,
-        .speed_mm_per_s = speed_mm_per_s, .ramp_ms = tuning_ramp_ms((unsigned)axis),
+        .speed_counts_per_s = pace->counts_per_s, .ramp_ms = pace->ramp_ms,
     };
 
     motion_start(&move, 1);
@@ -132,8 +147,7 @@ static void go(int axis, int32_t target_counts, double speed_mm_per_s)
 
 static void go_to_run_up(void)
 {
-    go(scan.setup.fast, line_in_hand()->from_count,
-       motion_speed_max_mm_per_s((unsigned)scan.setup.fast) * scan.setup.retrace_percent / 100);
+    go(scan.setup.fast, line_in_hand()->from_count, &scan.retrace_pace);
 }
 
 static void go_to_slow_line(void)
@@ -141,7 +155,7 @@ static void go_to_slow_line(void)
     const int slow = scan.setup.slow;
 
     if (slow != SCAN_NO_AXIS)
-        go(slow, slow_counts(scan.line), tuning_speed_mm_per_s((unsigned)slow));
+        go(slow, slow_counts(scan.line), &scan.slow_pace);
 }
 
 enum status scan_run_start(const struct scan_setup *setup)
@@ -162,9 +176,13 @@ enum status scan_run_start(const struct scan_setup *setup)
     scan.plan = plan;
     scan.line = 0;
     scan.axes = axes;
+    scan.line_pace = pace_of(setup->fast, tuning_speed_mm_per_s((unsigned)setup->fast));
+    scan.retrace_pace = pace_of(setup->fast, motion_speed_max_mm_per_s((unsigned)setup->fast) *
+                                                 setup->retrace_percent / 100);
     if (setup->slow != SCAN_NO_AXIS) {
         scan.slow_first = coordinates_mm_to_counts((unsigned)setup->slow, setup->slow_start_mm);
         scan.slow_last = coordinates_mm_to_counts((unsigned)setup->slow, setup->slow_stop_mm);
+        scan.slow_pace = pace_of(setup->slow, tuning_speed_mm_per_s((unsigned)setup->slow));
     }
     /* The fast axis may be under way for its former owner: where it is going is no business of
      * ours. */
@@ -277,7 +295,7 @@ static void begin_line(void)
         fail(FAULT_SCAN_LOST_PULSES);
         return;
     }
-    go(scan.setup.fast, line_in_hand()->to_count, tuning_speed_mm_per_s((unsigned)scan.setup.fast));
+    go(scan.setup.fast, line_in_hand()->to_count, &scan.line_pace);
     scan.state = SCAN_ACCELERATE;
 }
 
@@ -296,7 +314,9 @@ static void next_line(void)
     }
 }
 
-/* Read the events before the motion: whoever finds the stage at rest then has seen them all. */
+/* The motion is read before the events: whoever finds the stage at rest then sees them all. The
+ * gateware keeps each event until it is read, and a line is armed only after the one before it is
+ * over, so nothing is lost however seldom this runs. */
 static void poll_line(void)
 {
     const bool rest = at_rest();

@@ -33,9 +33,9 @@ double tuning_ramp_ms(unsigned axis)
     return ramp_ms[axis];
 }
 
-double tuning_counts_per_tick(unsigned axis, double speed)
+double tuning_counts_per_s(unsigned axis, double speed)
 {
-    return speed * coordinates_counts_per_mm(axis) * (AXIS_TICK_US * 1e-6);
+    return speed * coordinates_counts_per_mm(axis);
 }
 
 double tuning_ticks(double time_ms)

@@ -20,7 +20,7 @@ extern const struct module tuning_module;
 double tuning_speed_mm_per_s(unsigned axis);
 double tuning_ramp_ms(unsigned axis);
 
-double tuning_counts_per_tick(unsigned axis, double speed_mm_per_s);
+double tuning_counts_per_s(unsigned axis, double speed_mm_per_s);
 
 /** Ticks in a time, at least one tick; not rounded. */
 double tuning_ticks(double time_ms);

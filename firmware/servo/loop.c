@@ -71,7 +71,7 @@ static void decide(const struct loop_config *cfg, struct loop_state *st, bool mo
             loop_free(st, LOOP_NOT_SETTLED);
         break;
     case LOOP_WAIT:
-        if (++st->mode_ticks >= cfg->wait_ticks)
+        if (!st->commanded || ++st->mode_ticks >= cfg->wait_ticks)
             enter(st, LOOP_IDLE);
         break;
     case LOOP_FREE:

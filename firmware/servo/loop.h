@@ -59,7 +59,8 @@ struct loop_config {
 struct loop_state {
     enum loop_mode mode;
     enum loop_fault fault;   /**< Why the mode became FREE; kept until loop_rest. */
-    bool commanded;          /**< The motion in progress was asked for. Clear in IDLE and FREE. */
+    bool commanded;          /**< The motion in progress was asked for; without, WAIT ends. Clear
+                                  in IDLE and FREE. */
     int32_t error_counts;    /**< Delayed set-point minus position, last tick, floor. */
     int32_t duty_steps;      /**< Output of the last tick. */
     int32_t position_counts; /**< Of the last tick. */

@@ -159,7 +159,7 @@ TEST(an_owner_that_holds_is_busy_between_its_motions)
 TEST(a_motion_that_is_not_commanded_is_not_busy)
 {
     struct motion_move move = {
-        .axis = 1, .target_counts = 2000, .speed_mm_per_s = 1, .ramp_ms = 20,
+        .axis = 1, .target_counts = 2000, .speed_counts_per_s = 45396, .ramp_ms = 20,
     };
 
     start();
@@ -180,7 +180,7 @@ TEST(a_plan_made_too_late_is_made_again)
     closed_loop_run(100);
     /* The main loop was held up: the set-point has gone on from where the plan would begin. */
     (void)axis_plan(0);
-    axis_hand_over(0, &wrong, axis_ticks());
+    axis_hand_over(0, &wrong, axis_ticks(), true);
     CHECK_INT(axis_handover(0), AXIS_HANDOVER_PENDING);
     axis_tick();
     CHECK_INT(axis_handover(0), AXIS_HANDOVER_LATE);
@@ -197,6 +197,64 @@ TEST(halt_before_the_motion_began_withdraws_it)
     closed_loop_run(500);
     CHECK_INT(board_count(closed_loop_board(), 0), 0);
     CHECK(!motion_halt());
+}
+
+TEST(halt_ends_the_pause_after_a_move)
+{
+    start();
+    SEND("WT X=30000");
+    SEND("M X=100");
+    closed_loop_run(500);
+    CHECK_TEXT(closed_loop_send("RS X+"), ":A P\r\n");
+    CHECK_TEXT(closed_loop_send("\\"), ":N-21\r\n");
+    CHECK_TEXT(closed_loop_send("/"), "N\r\n");
+    CHECK_TEXT(closed_loop_send("\\"), ":A \r\n");
+    closed_loop_run(50);
+    CHECK_TEXT(closed_loop_send("RS X+"), ":A  \r\n");
+    CHECK(motion_in_position(0));
+}
+
+TEST(a_halt_is_not_followed_by_a_pause)
+{
+    start();
+    SEND("WT X=30000");
+    SEND("M X=20000");
+    closed_loop_run(500);
+    CHECK_TEXT(closed_loop_send("\\"), ":N-21\r\n");
+    closed_loop_run(500);
+    CHECK(motion_in_position(0));
+}
+
+/* Each would otherwise put off what the one before began. */
+TEST(halts_without_end_stop_as_fast_as_one)
+{
+    int once, many = 0;
+
+    start();
+    SEND("M X=90000");
+    closed_loop_run(1000);
+    (void)closed_loop_send("\\");
+    for (once = 0; !motion_in_position(0); once++)
+        closed_loop_tick();
+    SEND("M X=-90000");
+    closed_loop_run(1000);
+    for (many = 0; many < 1000 && !motion_in_position(0); many++)
+        (void)closed_loop_send("\\");
+    CHECK(many < once + 20);
+}
+
+TEST(an_axis_switched_off_and_on_within_a_tick_has_stopped)
+{
+    start();
+    SEND("M X=90000");
+    closed_loop_run(1000);
+    SEND("MC X- X+");
+    closed_loop_run(500);
+    CHECK(motion_in_position(0));
+    CHECK(closed_loop_position(0) < 45396);
+    SEND("M X=1000");
+    CHECK(closed_loop_wait(5000) > 0);
+    CHECK_INT(board_count(closed_loop_board(), 0), 4540);
 }
 
 TEST(relative_moves_start_from_the_target)
@@ -358,6 +416,10 @@ TEST_MAIN(RUN(busy_before_the_acknowledge_and_until_arrival);
           RUN(a_motion_that_is_not_commanded_is_not_busy);
           RUN(a_plan_made_too_late_is_made_again);
           RUN(halt_before_the_motion_began_withdraws_it);
+          RUN(halt_ends_the_pause_after_a_move);
+          RUN(a_halt_is_not_followed_by_a_pause);
+          RUN(halts_without_end_stop_as_fast_as_one);
+          RUN(an_axis_switched_off_and_on_within_a_tick_has_stopped);
           RUN(relative_moves_start_from_the_target);
           RUN(after_halt_relative_moves_start_from_where_it_stopped);
           RUN(a_limit_switch_stops_the_motion_into_it);
