@@ -14,6 +14,14 @@ static double start_mm, stop_mm, pitch_counts, pixels, retrace_percent, width_us
 static double slow_start_mm, slow_stop_mm, lines, settle_ms, overshoot_mm, sync_axis, encoder_axis;
 static double pattern, fast_axis, slow_axis, dialect;
 
+/* An axis parameter as the line sets it, or as it is. */
+static int axis_set(const struct request *request, char letter, double present)
+{
+    const struct argument *argument = request_argument(request, letter);
+
+    return (int)(argument != NULL && argument->kind != ARGUMENT_QUERY ? argument->value : present);
+}
+
 /* What the words of one SCAN line come to. */
 struct wish {
     enum { NOTHING, TOGGLE, START, STOP } action;
@@ -121,7 +129,8 @@ static enum status take_roles(const struct request *request, struct wish *wish)
 static enum status interpret(const struct request *request, struct wish *wish)
 {
     *wish = (struct wish){.action = request->count == 0 ? TOGGLE : NOTHING,
-                          .fast = (int)fast_axis, .slow = (int)slow_axis};
+                          .fast = axis_set(request, 'R', fast_axis),
+                          .slow = axis_set(request, 'T', slow_axis)};
 
     const enum status status = take_roles(request, wish);
     if (status != STATUS_OK)
@@ -160,27 +169,45 @@ static int role(int axis)
     return axis == (int)fast_axis ? 1 : axis == (int)slow_axis ? 2 : 0;
 }
 
-/* Values without letters; after those of parameter rows asked in the same line, if any. */
+static void print_query(struct reply *reply, char letter)
+{
+    switch (letter) {
+    case 'X':
+        reply_char(reply, (char)scan_run_state());
+        break;
+    case 'Y':
+    case 'Z':
+        reply_integer(reply, role(letter - 'X'));
+        break;
+    case 'F':
+        reply_integer(reply, (int32_t)pattern);
+        break;
+    case 'R':
+        reply_integer(reply, (int32_t)fast_axis);
+        break;
+    case 'T':
+        reply_integer(reply, (int32_t)slow_axis);
+        break;
+    default:
+        reply_integer(reply, (int32_t)dialect);
+        break;
+    }
+}
+
+/* Values without letters, those of parameter rows that were asked too in their places. */
 static void print_queries(const struct request *request, struct reply *reply)
 {
-    bool first = true;
-
-    for (size_t n = 0; n < request->count; n++)
-        if (request->arguments[n].kind == ARGUMENT_QUERY && request->arguments[n].letter != 'X' &&
-            request->arguments[n].letter != 'Y' && request->arguments[n].letter != 'Z')
-            first = false;
-    for (int n = 0; n < 3; n++) {
-        const struct argument *argument = request_argument(request, "XYZ"[n]);
+    reply_clear(reply);
+    reply_open(reply, FORM_VALUES);
+    for (const char *letter = "XYZFTRM"; *letter != '\0'; letter++) {
+        const struct argument *argument = request_argument(request, *letter);
 
         if (argument == NULL || argument->kind != ARGUMENT_QUERY)
             continue;
-        reply_text(reply, first ? ":A " : " ");
-        first = false;
-        if (n == 0)
-            reply_char(reply, (char)scan_run_state());
-        else
-            reply_integer(reply, role(n));
+        reply_field(reply, *letter);
+        print_query(reply, *letter);
     }
+    reply_close(reply);
 }
 
 static enum status run_scan(const struct request *request, struct reply *reply)

@@ -2,6 +2,8 @@
 /* The SCAN commands: replies, refusals, stops, errors, settings. */
 #include "scan_check.h"
 
+#include <math.h>
+
 TEST(impossible_scans_are_refused_and_move_nothing)
 {
     static const char *const settings[] = {
@@ -40,6 +42,11 @@ TEST(a_start_that_is_refused_leaves_the_rest_of_its_line_undone)
     stage_start();
     SEND("SCAN X=83 F=1", ":N-4\r\n"); /* start is stop after power-up */
     SEND("SCAN F?", ":A 0\r\n");
+    WORKED_EXAMPLE;
+    SEND("SCAN S R=9 T=3", ":N-4\r\n");
+    SEND("SCAN R? T?", ":A 1 0\r\n");
+    SEND("SCAN S R=2 T=9", ACKNOWLEDGED);
+    SEND("SCAN R? T?", ":A 9 2\r\n");
 }
 
 TEST(disabled_axis_cannot_scan)
@@ -86,7 +93,8 @@ TEST(queries_answer_in_their_forms)
     SEND("SN F?", ":A 0\r\n");
     SEND("SN Y?", ":A 2\r\n");
     SEND("SN X? Y? Z?", ":A I 2 0\r\n");
-    SEND("SN X? F?", ":A 0 I\r\n");
+    SEND("SN F? X?", ":A I 0\r\n");
+    SEND("SN T? R? Z? F? X?", ":A I 0 0 1 0\r\n");
     SEND("NR X?", ":A X=0.000000\r\n");
     SEND("NR Z?", ":A Z=24\r\n");
     SEND("NR F?", ":A F=1891\r\n");
@@ -252,6 +260,67 @@ TEST(emergency_stop_ends_the_scan)
     SEND("/", "N\r\n");
 }
 
+TEST(a_scan_told_under_the_emergency_stop_does_not_start_when_it_is_released)
+{
+    stage_start();
+    WORKED_EXAMPLE;
+    stage_estop = true;
+    stage_tick();
+    SEND("SCAN", ":N-5\r\n");
+    CHECK(!moved());
+    SEND("/", "N\r\n");
+    stage_estop = false;
+    CHECK(!moved());
+    SEND("SCAN X?", ":A I\r\n");
+}
+
+/* The axes have been switched on and are not regulated yet: their moves wait. */
+TEST(an_emergency_stop_before_the_first_move_began_ends_the_scan)
+{
+    stage_start();
+    WORKED_EXAMPLE;
+    SEND("MC X- Y-", ACKNOWLEDGED);
+    stage_tick();
+    SEND("MC X+ Y+", ACKNOWLEDGED);
+    stage_tick();
+    SEND("SCAN", ACKNOWLEDGED);
+    stage_tick();
+    stage_estop = true;
+    CHECK(!moved());
+    SEND("/", "N\r\n");
+    stage_estop = false;
+    CHECK(!moved());
+}
+
+TEST(what_is_set_while_it_scans_is_for_the_next_scan)
+{
+    static const char *const changes[] = {
+        "S X=6.8 Y=6.8", "AC X=1 Y=1", "C X=20000", "UM X=-10000", "H X=5000",
+        "SCANR X=0.3 Y=0.7 Z=11", "SCANV Z=7 F=200", "TTL X=0",
+    };
+
+    for (size_t n = 0; n < sizeof changes / sizeof changes[0]; n++) {
+        int ticks = 0;
+
+        stage_start();
+        WORKED_EXAMPLE;
+        SEND("SCAN", ACKNOWLEDGED);
+        SEND(changes[n], ACKNOWLEDGED);
+        while (!stage_sync)
+            stage_tick();
+        for (; stage_sync; ticks++)
+            stage_tick();
+        CHECK_TEXT(states(), "fI");
+        CHECK(pixels_lie_on(&stage_lines[0], 1891, 24000));
+        CHECK(stage_lines[0].emit);
+        /* 45384 counts at 2.112 mm/s. */
+        if (ticks < 2366 || ticks > 2368)
+            CHECK_FAIL("%s: %d ticks", changes[n], ticks);
+        CHECK_INT(stage_position[0],
+                  1891 * 24 + (int)ceil(2.112 * 0.035 * 45396) + 16);
+    }
+}
+
 TEST(origin_moves_the_scan)
 {
     stage_start();
@@ -323,5 +392,8 @@ TEST_MAIN(RUN(impossible_scans_are_refused_and_move_nothing);
           RUN(scan_keeps_its_axes_to_itself); RUN(sync_that_never_comes_is_error_85);
           RUN(arming_past_the_reference_is_error_85_and_does_not_run_the_line);
           RUN(line_that_ends_before_its_pixels_is_error_86); RUN(wrong_end_position_is_error_86);
-          RUN(emergency_stop_ends_the_scan); RUN(origin_moves_the_scan);
+          RUN(emergency_stop_ends_the_scan);
+          RUN(a_scan_told_under_the_emergency_stop_does_not_start_when_it_is_released);
+          RUN(an_emergency_stop_before_the_first_move_began_ends_the_scan);
+          RUN(what_is_set_while_it_scans_is_for_the_next_scan); RUN(origin_moves_the_scan);
           RUN(both_dialects_name_axes); RUN(settings_are_saved))
