@@ -141,7 +141,7 @@ static bool rests(const struct axis *a, int32_t position_counts, bool inhibited)
 
 static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
 {
-    bool regulated, commanded;
+    bool regulated, commanded, behind;
     int32_t duty;
 
     if (rests(a, position_counts, inhibited))
@@ -157,8 +157,11 @@ static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
 
     regulated = a->loop.mode != LOOP_FREE;
     commanded = a->loop.commanded;
+    behind = a->loop.behind;
     a->config_seen = a->config;
     duty = loop_tick(a->config_seen, &a->loop, &a->profile, position_counts);
+    if (a->loop.behind && !behind)
+        a->report.lags++;
     if (regulated && a->loop.mode == LOOP_FREE)
         note_fault(a, a->loop.fault);
     else if (commanded && a->loop.mode == LOOP_IDLE) {

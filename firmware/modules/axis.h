@@ -42,6 +42,7 @@ enum axis_stop {
 struct axis_report {
     uint32_t arrivals;          /* commanded motions that reached their target, pause included */
     uint64_t arrival_time_fast; /* of the last one */
+    uint32_t lags; /* times the motor fell behind its set-point at full drive */
     uint32_t stops;
     enum axis_stop last_stop;
     bool stop_at_start; /* the limit switch was closed already when the motion began */

@@ -22,6 +22,7 @@ struct motion {
     int32_t end_counts;      /* where the last plan ends */
     uint32_t arrivals_seen;
     uint32_t stops_seen;
+    uint32_t lags_seen;
 };
 
 static struct motion motions[AXIS_COUNT];
@@ -275,6 +276,10 @@ static void report(unsigned axis)
     if (view.off && axis_handover(axis) != AXIS_HANDOVER_NONE) {
         (void)axis_plan(axis);
         tell(axis, MOTION_DISABLED);
+    }
+    if (view.report.lags != m->lags_seen) {
+        m->lags_seen = view.report.lags;
+        log_error((uint16_t)(FAULT_ERROR_LARGE + axis));
     }
     if (view.report.stops != m->stops_seen) {
         m->stops_seen = view.report.stops;

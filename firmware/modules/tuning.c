@@ -11,11 +11,10 @@ static double finish_mm[AXIS_COUNT];
 static double drift_mm[AXIS_COUNT];
 static double wait_ms[AXIS_COUNT];
 static double runaway_mm[AXIS_COUNT];
-static double kp[AXIS_COUNT], ki[AXIS_COUNT], kd[AXIS_COUNT], kv[AXIS_COUNT];
+static double kp[AXIS_COUNT], ki[AXIS_COUNT], kd[AXIS_COUNT], kv[AXIS_COUNT], ka[AXIS_COUNT];
 
 /* Not for users: they follow from the motor and the drive (docs/decisions.md). */
 static const struct pid_gains fixed_gains = {
-    .ka = 93,
     .friction_steps = 250,
     .approach_per_s = 300,
     .knee_counts_per_s = 150,
@@ -76,6 +75,7 @@ void tuning_apply(unsigned axis)
         .drift_counts = tuning_drift_counts(axis),
         .runaway_counts = counts(axis, runaway_mm[axis]),
         .runaway_ticks = ticks(10.0),
+        .behind_counts = counts(axis, 0.02),
         .dead_ticks = ticks(100.0),
         .settle_ticks = ticks(2.0),
         .settle_limit_ticks = ticks(500.0),
@@ -97,6 +97,7 @@ void tuning_apply(unsigned axis)
     gains.ki = (int32_t)ki[axis];
     gains.kd = (int32_t)kd[axis];
     gains.kv = (int32_t)kv[axis];
+    gains.ka = (int32_t)ka[axis];
     pid_configure(&config.pid, &gains, AXIS_TICK_US);
     axis_configure(axis, &config);
 }
@@ -160,6 +161,10 @@ static const struct parameter parameters[] = {
         .command = "KV", PER_AXIS, GAIN, .unit = "1/16 step per count/ms",
         .summary = "Velocity feed-forward.", .initial = 106, .value = kv,
     },
+    {
+        .command = "KADC", PER_AXIS, GAIN, .unit = "1/2 step per count/ms^2",
+        .summary = "Acceleration feed-forward.", .initial = 93, .value = ka,
+    },
     {0},
 };
 
@@ -174,6 +179,7 @@ static const struct command commands[] = {
     {.name = "KI", .summary = "Integral gain.", .form = FORM_P},
     {.name = "KD", .summary = "Derivative gain.", .form = FORM_P},
     {.name = "KV", .summary = "Velocity feed-forward.", .form = FORM_P},
+    {.name = "KADC", .shortcut = "KA", .summary = "Acceleration feed-forward.", .form = FORM_P},
     {0},
 };
 

@@ -13,8 +13,10 @@ static void enter(struct loop_state *st, enum loop_mode mode)
     st->dead_ticks = 0;
     st->away_ticks = 0;
     st->near_ticks = 0;
-    if (mode == LOOP_IDLE || mode == LOOP_FREE)
+    if (mode == LOOP_IDLE || mode == LOOP_FREE) {
+        st->behind = false;
         st->commanded = false;
+    }
 }
 
 void loop_free(struct loop_state *st, enum loop_fault fault)
@@ -99,12 +101,17 @@ static int32_t settle(const struct loop_config *cfg, struct loop_state *st, int3
                       st->still_ticks);
 }
 
-/* Let go of an axis that does not obey: its encoder or motor is not what the loop takes it for. */
+/* Note when the motor cannot follow. Let go of an axis that does not obey: its encoder or motor is
+ * not what the loop takes it for. */
 static void supervise(const struct loop_config *cfg, struct loop_state *st, int32_t moved_counts)
 {
     bool full = magnitude(st->duty_steps) >= cfg->pid.output_limit_steps;
     bool far = magnitude(st->error_counts) > cfg->runaway_counts;
 
+    if (full && magnitude(st->error_counts) > cfg->behind_counts)
+        st->behind = true;
+    else if (magnitude(st->error_counts) <= cfg->behind_counts / 2)
+        st->behind = false;
     st->dead_ticks = full && moved_counts == 0 ? st->dead_ticks + 1 : 0;
     if (!far)
         st->away_ticks = 0;

@@ -46,6 +46,7 @@ struct loop_config {
     int32_t finish_counts;       /**< Arrived when the error is at most this. */
     int32_t drift_counts;        /**< At rest, corrected when the error is more than this. */
     int32_t runaway_counts;      /**< Beyond this error the axis must not move away. */
+    int32_t behind_counts;       /**< At full drive and this far off it has fallen behind. */
     uint32_t runaway_ticks;      /**< Ticks of moving away, net, that make a runaway. */
     uint32_t dead_ticks;         /**< Ticks of full drive without movement: a dead axis. */
     uint32_t settle_ticks;       /**< Ticks in a row within the finish error: arrived. */
@@ -69,6 +70,7 @@ struct loop_state {
     uint32_t still_ticks;    /**< Ticks in a row without a change of position; saturates. */
     uint32_t dead_ticks;     /**< Ticks in a row of full drive without one. */
     uint32_t away_ticks;     /**< Ticks of moving away less ticks of coming nearer. */
+    bool behind;             /**< At full drive, and still too far off; until half of that. */
     uint32_t late_ticks;     /**< Ticks for which the delayed set-point still moves. */
     uint32_t newest;         /**< Index of the last set-point in the ring. */
     struct pid_state pid;

@@ -49,7 +49,7 @@ static const char *page_at_rest(char letter, int id)
              "Overshoot    :  0.000000      mm enc_overshoot:         0\r"
              "Kp           :       160 [KP]    Ki(*16)      :      2400 [KI]\r"
              "Kv           :       106 [KV]    Kd           :       140 [KD]\r"
-             "Ka           :         0         Kadc         :         0\r"
+             "Ka           :        93 [KA]    Kadc         :         0\r"
              "Axis Enable  :         1 [MC]    Motor Enable :         0\r"
              "CMD_stat     :   NO_MOVE         Move_stat    :      IDLE\r"
              "Current pos  :    0.0000      mm enc position :         0\r"
@@ -132,7 +132,7 @@ TEST(columns_hold_and_every_command_named_answers)
         }
         line = end + 1;
     }
-    CHECK_INT(commands, 13);
+    CHECK_INT(commands, 14);
 }
 
 TEST(page_is_true_in_motion)
@@ -212,6 +212,18 @@ TEST(settling_times_are_measured)
     CHECK(value(page, "Av Settle Tim") > value(page, "Lst Stle Time"));
 }
 
+TEST(acceleration_gain_is_a_setting_and_shown)
+{
+    stage_start();
+    CHECK_TEXT(port_send("KA X? Y?"), ":A X=93 Y=93\r\n");
+    CHECK_TEXT(port_send("KADC X=40.9"), ":A \r\n");
+    CHECK_TEXT(port_send("KA X=-1"), ":N-4\r\n");
+    CHECK_INT(value(port_send("INFO X"), "Ka  "), 40);
+    CHECK_TEXT(port_send("SS Z"), ":A \r\n");
+    stage_start();
+    CHECK_TEXT(port_send("KA X? Y?"), ":A X=40 Y=93\r\n");
+}
+
 TEST(slow_port_gets_the_same_bytes)
 {
     static char whole[8400], parts[8400];
@@ -238,4 +250,5 @@ TEST_MAIN(RUN(page_is_as_documented); RUN(several_axes_give_several_pages_in_har
           RUN(axes_not_fitted_are_passed_over_in_silence); RUN(wrong_forms_are_refused);
           RUN(columns_hold_and_every_command_named_answers); RUN(page_is_true_in_motion);
           RUN(positions_are_in_the_users_frame); RUN(disabled_axis_shows_it);
-          RUN(settling_times_are_measured); RUN(slow_port_gets_the_same_bytes))
+          RUN(settling_times_are_measured);
+          RUN(acceleration_gain_is_a_setting_and_shown); RUN(slow_port_gets_the_same_bytes))

@@ -206,7 +206,7 @@ TEST(other_motors_and_frictions_arrive_as_well)
     }
 }
 
-TEST(a_motor_too_weak_for_its_speed_arrives_late_but_arrives)
+TEST(a_motor_too_weak_for_its_speed_arrives_late_and_is_logged)
 {
     static const struct closed_loop_change half[] = {{"x.speed_scale", 0.5}, {NULL, 0}};
 
@@ -215,7 +215,8 @@ TEST(a_motor_too_weak_for_its_speed_arrives_late_but_arrives)
     /* 9 mm at half of 7.48 mm/s. */
     CHECK_BETWEEN(move_ms("M X=90000"), 2406, 2700);
     CHECK_INT(board_count(closed_loop_board(), 0), 408564);
-    CHECK_INT(fault_read(0), FAULT_NONE);
+    CHECK_INT(fault_read(0), FAULT_ERROR_LARGE + 0);
+    CHECK_INT(fault_read(1), FAULT_NONE);
 }
 
 TEST(halt_stops_within_its_braking_distance)
@@ -272,7 +273,7 @@ TEST_MAIN(RUN(nine_millimetres_in_well_under_the_original_time);
           RUN(single_counts_take_milliseconds);
           RUN(nothing_moves_at_rest);
           RUN(other_motors_and_frictions_arrive_as_well);
-          RUN(a_motor_too_weak_for_its_speed_arrives_late_but_arrives);
+          RUN(a_motor_too_weak_for_its_speed_arrives_late_and_is_logged);
           RUN(halt_stops_within_its_braking_distance);
           RUN(a_new_move_replaces_the_old_one_at_once);
           RUN(a_push_beyond_the_drift_error_is_corrected))
