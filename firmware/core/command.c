@@ -290,9 +290,10 @@ enum status command_resume(const struct request *request, struct reply *reply)
                                                    : STATUS_UNDEFINED;
 }
 
-void command_urgent(const char *line, size_t length)
+bool command_urgent(const char *line, size_t length)
 {
     char verb[VERB_MAX + 1];
+    bool acted = false;
 
     parser_verb(line, length, verb);
     for (unsigned m = 0; modules[m] != NULL; m++) {
@@ -300,6 +301,7 @@ void command_urgent(const char *line, size_t length)
 
         for (; row != NULL && row->name != NULL; row++)
             if (row->urgent != NULL && is_named(row, verb))
-                row->urgent();
+                acted |= row->urgent();
     }
+    return acted;
 }

@@ -56,9 +56,10 @@ struct command {
 
     /**
      * Optional, HALT only: called as soon as the line is known, ahead of commands and replies that
-     * wait. `run` is called as well, in its turn, and gives the reply.
+     * wait. `run` is called as well, in its turn, and gives the reply; request->acted holds what
+     * this returned.
      */
-    void (*urgent)(void);
+    bool (*urgent)(void);
 };
 
 /** `letter` of a parameter that has one value for each axis. */
@@ -124,7 +125,7 @@ const struct command *command_find(const char *verb);
 /**
  * Carry out a line. Writes the reply's text, without its end.
  *
- * @param request  Filled in; must be kept while the status is STATUS_PENDING.
+ * @param request  Filled in, but for `acted`; must be kept while the status is STATUS_PENDING.
  * @param reply    Cleared by the caller.
  */
 enum status command_execute(const char *line, size_t length, struct request *request,
@@ -133,8 +134,8 @@ enum status command_execute(const char *line, size_t length, struct request *req
 /** Go on with a request whose status was STATUS_PENDING. */
 enum status command_resume(const struct request *request, struct reply *reply);
 
-/** Call the command's `urgent`, if it has one. */
-void command_urgent(const char *line, size_t length);
+/** Call the command's `urgent`, if it has one, and return what it says; otherwise false. */
+bool command_urgent(const char *line, size_t length);
 
 /** Set a value as a command would: adjusted, stored, `set` called. No check. */
 void parameter_store(const struct parameter *parameter, unsigned axis, double value);

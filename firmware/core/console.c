@@ -8,6 +8,9 @@
 /* Stands in the queue for a line that was dropped; no line holds control bytes. */
 static const char lost_line[] = "\x15";
 
+/* Stands in the queue before a line whose command acted at once. */
+static const uint8_t acted_mark = 0x12;
+
 void console_init(struct console *console, struct ring *receive, struct ring *transmit,
                   void (*kick)(void))
 {
@@ -20,10 +23,12 @@ void console_init(struct console *console, struct ring *receive, struct ring *tr
     line_init(&console->line);
 }
 
-static bool queue_line(struct console *console, const char *text, size_t length)
+static bool queue_line(struct console *console, const char *text, size_t length, bool acted)
 {
-    if (ring_free(&console->queue) < length + 1)
+    if (ring_free(&console->queue) < length + 1 + acted)
         return false;
+    if (acted)
+        ring_put(&console->queue, acted_mark);
     for (size_t i = 0; i < length; i++)
         ring_put(&console->queue, (uint8_t)text[i]);
     ring_put(&console->queue, '\r');
@@ -31,10 +36,12 @@ static bool queue_line(struct console *console, const char *text, size_t length)
 }
 
 /* With no room even for the mark the host has sent a thousand bytes and read nothing. */
-static void queue_or_lose(struct console *console, const char *text, size_t length)
+static void take_line(struct console *console, const char *text, size_t length)
 {
-    if (!queue_line(console, text, length))
-        (void)queue_line(console, lost_line, 1);
+    bool acted = command_urgent(text, length);
+
+    if (!queue_line(console, text, length, acted))
+        (void)queue_line(console, lost_line, 1, false);
 }
 
 static void control(uint8_t byte)
@@ -60,15 +67,13 @@ static void handle(struct console *console, enum line_event event)
 
     switch (event) {
     case LINE_READY:
-        command_urgent(line->text, line->length);
-        queue_or_lose(console, line->text, line->length);
+        take_line(console, line->text, line->length);
         break;
     case LINE_HALT:
-        command_urgent("\\", 1);
-        queue_or_lose(console, "\\", 1);
+        take_line(console, "\\", 1);
         break;
     case LINE_TOO_LONG:
-        (void)queue_line(console, lost_line, 1);
+        (void)queue_line(console, lost_line, 1, false);
         break;
     case LINE_CLEAR:
         ring_clear(&console->queue);
@@ -126,8 +131,13 @@ static void next_line(struct console *console)
     uint8_t byte;
     enum status status = STATUS_UNDEFINED;
 
-    while (ring_take(&console->queue, &byte) && byte != '\r')
-        console->text[length++] = (char)byte;
+    console->request.acted = false;
+    while (ring_take(&console->queue, &byte) && byte != '\r') {
+        if (byte == acted_mark)
+            console->request.acted = true;
+        else
+            console->text[length++] = (char)byte;
+    }
     if (length == 0)
         return;
     reply_clear(&console->reply);

@@ -49,6 +49,7 @@ struct request {
     const char *text; /* quoted text inside the line, or NULL; valid as long as the line */
     size_t text_length;
     bool text_closed; /* the closing quote was there */
+    bool acted; /* what the command's `urgent` returned for this line; not the parser's */
 };
 
 /**

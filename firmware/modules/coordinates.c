@@ -42,6 +42,11 @@ int32_t coordinates_distance_to_counts(unsigned axis, double user)
     return whole(user / units_per_mm[axis] * counts_per_mm[axis]);
 }
 
+bool coordinates_fits(unsigned axis, double user)
+{
+    return fabs(user / units_per_mm[axis] * counts_per_mm[axis]) <= COORDINATES_COUNTS_MAX;
+}
+
 double coordinates_counts_to_user(unsigned axis, int32_t counts)
 {
     return ((double)counts - origin_counts[axis]) / counts_per_mm[axis] * units_per_mm[axis];

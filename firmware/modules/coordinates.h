@@ -41,6 +41,9 @@ double coordinates_counts_to_mm(unsigned axis, int32_t counts);
 /** Let a count be 0 for the user. Start-up and RESET; before the settings are loaded. */
 void coordinates_set_origin(unsigned axis, int32_t counts);
 
+/** Whether a place lies within COORDINATES_COUNTS_MAX of the user's 0: what HERE may give. */
+bool coordinates_fits(unsigned axis, double user);
+
 /** HERE: let a count be a place in user units, exactly. */
 void coordinates_name(unsigned axis, int32_t counts, double user);
 

@@ -16,9 +16,6 @@ static const struct motion_owner serial_owner = {
     .letter = 'B',
 };
 
-/* HALT acts as soon as its line is known and is answered in its turn. */
-static bool halted_commanded;
-
 static bool names_axis(const struct request *request, unsigned axis)
 {
     return request->count == 0 || request_argument(request, axis_letter(axis)) != NULL;
@@ -128,6 +125,12 @@ static void name(unsigned axis, double user)
 static enum status here(const struct request *request, struct reply *reply)
 {
     (void)reply;
+    for (size_t i = 0; i < request->count; i++) {
+        const struct argument *argument = &request->arguments[i];
+
+        if (!coordinates_fits((unsigned)axis_index(argument->letter), argument->value))
+            return STATUS_RANGE;
+    }
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct argument *argument = request_argument(request, axis_letter(axis));
 
@@ -146,22 +149,14 @@ static enum status zero(const struct request *request, struct reply *reply)
     return STATUS_OK;
 }
 
-static void halt_now(void)
-{
-    if (motion_halt())
-        halted_commanded = true;
-}
-
+/* HALT acts as soon as its line is known and is answered in its turn. Again in its turn: a move
+ * that stood between was told before it. */
 static enum status halt(const struct request *request, struct reply *reply)
 {
-    bool commanded;
+    bool commanded = motion_halt();
 
-    (void)request;
     (void)reply;
-    halt_now();
-    commanded = halted_commanded;
-    halted_commanded = false;
-    return commanded ? STATUS_HALTED : STATUS_OK;
+    return commanded || request->acted ? STATUS_HALTED : STATUS_OK;
 }
 
 static const struct command commands[] = {
@@ -190,7 +185,8 @@ static const struct command commands[] = {
     },
     {
         .name = "HALT", .shortcut = "\\", .summary = "Stop everything.",
-        .run = halt, .urgent = halt_now, .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL,
+        .run = halt, .urgent = motion_halt, .letters = LETTERS_ALL,
+        .accepts = ARGUMENT_BARE | ARGUMENT_VALUE | ARGUMENT_QUERY | ARGUMENT_PLUS | ARGUMENT_MINUS,
     },
     {0},
 };

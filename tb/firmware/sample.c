@@ -113,9 +113,10 @@ static enum status halt(const struct request *request, struct reply *reply)
     return was_lit ? STATUS_HALTED : STATUS_OK;
 }
 
-static void halt_now(void)
+static bool halt_now(void)
 {
     sample_urgent++;
+    return false;
 }
 
 static enum status fail(const struct request *request, struct reply *reply)

@@ -167,7 +167,18 @@ TEST(a_limit_beyond_the_other_is_ignored)
     CHECK_TEXT(closed_loop_send("SL X?"), ":A X=-110.000\r\n");
 }
 
-TEST_MAIN(RUN(a_place_is_the_nearest_count);
+TEST(a_name_beyond_the_counts_is_refused)
+{
+    closed_loop_start(NULL);
+    SEND("Z");
+    CHECK_TEXT(closed_loop_send("H X=1e300"), ":N-4\r\n");
+    CHECK_TEXT(closed_loop_send("H Y=5 X=-3e8"), ":N-4\r\n"); /* 30 m */
+    CHECK_TEXT(closed_loop_send("W X Y"), ":A 0.0 0.0 \r\n");
+    CHECK_TEXT(closed_loop_send("H X=2e8"), ":A \r\n");
+    CHECK_TEXT(closed_loop_send("W X"), ":A 200000000.0 \r\n");
+}
+
+TEST_MAIN(RUN(a_name_beyond_the_counts_is_refused); RUN(a_place_is_the_nearest_count);
           RUN(counts_and_user_units_are_inverse);
           RUN(places_out_of_range_are_clipped);
           RUN(relative_moves_round_their_distance_to_counts);

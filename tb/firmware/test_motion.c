@@ -10,6 +10,7 @@
 #include "modules/axis.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
+#include "port.h"
 
 #define SEND(line) CHECK_TEXT(closed_loop_send(line), ":A \r\n")
 
@@ -225,6 +226,37 @@ TEST(a_halt_is_not_followed_by_a_pause)
     CHECK(motion_in_position(0));
 }
 
+TEST(a_halt_that_got_no_answer_of_its_own_is_not_answered_later)
+{
+    start();
+    SEND("M X=90000");
+    closed_loop_run(1000);
+    CHECK_TEXT(closed_loop_send("HALT ?"), ":N-3\r\n");
+    closed_loop_run(500);
+    CHECK_TEXT(closed_loop_send("HALT"), ":A \r\n");
+    SEND("M X=0");
+    closed_loop_run(500);
+    /* The second HALT is dropped by the abort key; a reply that leaves slowly stood before it. */
+    port_hold();
+    port_queue("I X\rHALT\r\x1b");
+    (void)port_take(1);
+    CHECK(!motion_busy());
+    for (int n = 0; n < 1000; n++)
+        (void)port_take(8);
+    port_queue("HALT\r");
+    (void)port_take(0);
+    CHECK_TEXT(port_take(100), ":A \r\n");
+}
+
+TEST(halt_takes_whatever_follows_it)
+{
+    start();
+    SEND("M X=90000");
+    closed_loop_run(1000);
+    CHECK_TEXT(closed_loop_send("HALT X=1 Y? Z+"), ":N-21\r\n");
+    CHECK_TEXT(closed_loop_send("HALT X"), ":A \r\n");
+}
+
 /* Each would otherwise put off what the one before began. */
 TEST(halts_without_end_stop_as_fast_as_one)
 {
@@ -418,6 +450,8 @@ TEST_MAIN(RUN(busy_before_the_acknowledge_and_until_arrival);
           RUN(halt_before_the_motion_began_withdraws_it);
           RUN(halt_ends_the_pause_after_a_move);
           RUN(a_halt_is_not_followed_by_a_pause);
+          RUN(a_halt_that_got_no_answer_of_its_own_is_not_answered_later);
+          RUN(halt_takes_whatever_follows_it);
           RUN(halts_without_end_stop_as_fast_as_one);
           RUN(an_axis_switched_off_and_on_within_a_tick_has_stopped);
           RUN(relative_moves_start_from_the_target);
