@@ -19,6 +19,7 @@ struct motion {
     bool claimed;
     struct motion_move move; /* the last one, for planning it again */
     bool stopping;           /* the last plan is a stop, not `move` */
+    bool waiting;            /* `move` is planned when the plan before it has begun */
     int32_t end_counts;      /* where the last plan ends */
     uint32_t arrivals_seen;
     uint32_t stops_seen;
@@ -107,9 +108,30 @@ static void launch(unsigned axes, unsigned lead_ticks)
             axis_hand_over(axis, &starts[axis], tick, !motions[axis].stopping);
 }
 
+/* Plan the moves that wait. */
+static void start_waiting(unsigned axes)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0) {
+            motions[axis].waiting = false;
+            motions[axis].stopping = false;
+        }
+    launch(axes, LEAD_TICKS);
+}
+
+/* A plan waits for its tick. An axis that is not regulated begins none: nothing is put off. */
+static bool is_about_to_begin(unsigned axis)
+{
+    struct axis_view view;
+
+    axis_read(axis, &view);
+    return axis_handover(axis) == AXIS_HANDOVER_PENDING && view.mode != LOOP_FREE;
+}
+
 void motion_start(const struct motion_move *moves, unsigned count)
 {
     unsigned axes = 0;
+    bool wait = false;
 
     for (unsigned i = 0; i < count; i++) {
         struct motion *m = &motions[moves[i].axis];
@@ -118,10 +140,16 @@ void motion_start(const struct motion_move *moves, unsigned count)
             continue;
         m->move = moves[i];
         m->move.target_counts = limits_clip(moves[i].axis, moves[i].target_counts);
-        m->stopping = false;
+        m->end_counts = m->move.target_counts;
         axes |= MOTION_AXIS(moves[i].axis);
+        wait |= is_about_to_begin(moves[i].axis);
     }
-    launch(axes, LEAD_TICKS);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0)
+            motions[axis].waiting = true;
+    /* Moves that follow each other closely would put off each other's plans for ever. */
+    if (!wait)
+        start_waiting(axes);
 }
 
 void motion_stop(unsigned axes)
@@ -134,6 +162,7 @@ void motion_stop(unsigned axes)
 
         if ((axes & MOTION_AXIS(axis)) == 0)
             continue;
+        m->waiting = false;
         /* A stop under way is left alone: stops that follow each other would put it off. */
         if (m->stopping && axis_handover(axis) != AXIS_HANDOVER_NONE)
             continue;
@@ -163,8 +192,10 @@ bool motion_halt(void)
 void motion_enable(unsigned axis, bool enable)
 {
     axis_enable(axis, enable);
-    if (!enable)
+    if (!enable) {
+        motions[axis].waiting = false;
         (void)axis_plan(axis);
+    }
 }
 
 bool motion_enabled(unsigned axis)
@@ -184,7 +215,7 @@ bool motion_axis_busy(unsigned axis)
 
     if (m->owner == NULL || !m->owner->busy)
         return false;
-    if (m->claimed && m->owner->holds)
+    if (m->waiting || (m->claimed && m->owner->holds))
         return true;
     if (m->stopping)
         return false;
@@ -206,7 +237,7 @@ bool motion_in_position(unsigned axis)
 {
     struct axis_view view;
 
-    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (motions[axis].waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)
         return false;
     axis_read(axis, &view);
     return view.mode == LOOP_IDLE && !view.commanded;
@@ -224,7 +255,7 @@ int32_t motion_target_counts(unsigned axis)
 {
     struct axis_view view;
 
-    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (motions[axis].waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)
         return motions[axis].end_counts;
     axis_read(axis, &view);
     return (int32_t)(view.end_q32 >> 32);
@@ -273,7 +304,8 @@ static void report(unsigned axis)
     struct axis_view view;
 
     axis_read(axis, &view);
-    if (view.off && axis_handover(axis) != AXIS_HANDOVER_NONE) {
+    if (view.off && (m->waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)) {
+        m->waiting = false;
         (void)axis_plan(axis);
         tell(axis, MOTION_DISABLED);
     }
@@ -303,15 +335,21 @@ static void init(void)
 
 static void poll(void)
 {
-    unsigned late = 0;
-    bool busy;
+    unsigned late = 0, waiting = 0;
+    bool wait = false, busy;
 
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         report(axis);
-        if (axis_handover(axis) == AXIS_HANDOVER_LATE)
+        if (motions[axis].waiting) {
+            waiting |= MOTION_AXIS(axis);
+            wait |= is_about_to_begin(axis);
+        } else if (axis_handover(axis) == AXIS_HANDOVER_LATE) {
             late |= MOTION_AXIS(axis);
+        }
     }
     launch(late, LEAD_TICKS_LATE);
+    if (!wait)
+        start_waiting(waiting);
     busy = motion_busy();
     if (busy != busy_before) {
         busy_before = busy;

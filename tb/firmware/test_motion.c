@@ -275,6 +275,39 @@ TEST(halts_without_end_stop_as_fast_as_one)
     CHECK(many < once + 20);
 }
 
+/* A plan begins some ticks after its command; each would put off the one before for ever. */
+TEST(moves_that_follow_each_other_at_every_tick_move_the_axis)
+{
+    start();
+    for (int n = 0; n < 1000; n++)
+        CHECK_TEXT(closed_loop_send(n % 2 == 0 ? "M X=20000 Y=-20000" : "M X=20001 Y=-20001"),
+                   ":A \r\n");
+    CHECK(closed_loop_position(0) > 20000 && closed_loop_position(1) < -20000);
+    CHECK_TEXT(closed_loop_send("M X?"), ":A X=20001.1\r\n");
+    CHECK(closed_loop_wait(5000) > 0);
+    CHECK_INT(board_count(closed_loop_board(), 0), 90797);
+    for (int n = 0; n < 1000; n++)
+        CHECK_TEXT(closed_loop_send("R X=1 Y=-1"), ":A \r\n");
+    CHECK(closed_loop_wait(5000) > 0);
+    CHECK_INT(board_count(closed_loop_board(), 0), 90797 + 5000);
+}
+
+TEST(halts_among_moves_stop_the_axis)
+{
+    start();
+    SEND("M X=90000");
+    closed_loop_run(1000);
+    for (int n = 0; n < 500; n++) {
+        (void)closed_loop_send("\\");
+        (void)closed_loop_send("M X=90000");
+    }
+    (void)closed_loop_send("\\");
+    CHECK_TEXT(closed_loop_send("/"), "N\r\n");
+    closed_loop_run(200);
+    CHECK(motion_in_position(0));
+    CHECK(closed_loop_position(0) < 45396);
+}
+
 TEST(an_axis_switched_off_and_on_within_a_tick_has_stopped)
 {
     start();
@@ -453,6 +486,8 @@ TEST_MAIN(RUN(busy_before_the_acknowledge_and_until_arrival);
           RUN(a_halt_that_got_no_answer_of_its_own_is_not_answered_later);
           RUN(halt_takes_whatever_follows_it);
           RUN(halts_without_end_stop_as_fast_as_one);
+          RUN(moves_that_follow_each_other_at_every_tick_move_the_axis);
+          RUN(halts_among_moves_stop_the_axis);
           RUN(an_axis_switched_off_and_on_within_a_tick_has_stopped);
           RUN(relative_moves_start_from_the_target);
           RUN(after_halt_relative_moves_start_from_where_it_stopped);
