@@ -18,7 +18,10 @@
 /** Axis number that means "no axis". */
 #define SCAN_NO_AXIS (-1)
 
-/** All that a scan is started with; taken at the start, later changes are for the next one. */
+/**
+ * All that a scan is started with, besides SPEED, ACCEL and CNTS; taken at the start, later changes
+ * are for the next one.
+ */
 struct scan_setup {
     struct scan_settings line;           /* of the fast axis */
     int fast, slow;                      /* axis numbers, or SCAN_NO_AXIS */
@@ -50,10 +53,9 @@ enum scan_state {
  * Whether a scan could start like this, changing nothing.
  *
  * @return  STATUS_OK; STATUS_RANGE for settings that make no scan (no fast axis, the same axis
- * twice, no length, less
- *          than a count per pixel, pulses that would merge, a way that leaves the travel);
- *          STATUS_FAILED when an axis
- *          does not take orders.
+ *          twice, no length, less than a count per pixel, pulses that would merge, a way that
+ *          leaves the travel); STATUS_FAILED when an axis does not take orders (disabled, or the
+ *          emergency stop is pressed).
  */
 enum status scan_run_check(const struct scan_setup *setup);
 
