@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+#include "hal/compare.h"
+
 TEST(impossible_scans_are_refused_and_move_nothing)
 {
     static const char *const settings[] = {
@@ -248,6 +250,68 @@ TEST(wrong_end_position_is_error_86)
     CHECK_INT(fault_read(0), FAULT_SCAN_INCOMPLETE);
 }
 
+static void press(void)
+{
+    stage_estop = true;
+}
+
+static void halt(void)
+{
+    (void)port_send("\\");
+}
+
+static void ask(void)
+{
+    (void)port_send("SCAN X=80");
+}
+
+static void switch_fast_off(void)
+{
+    (void)port_send("MC X-");
+}
+
+static void switch_slow_off(void)
+{
+    (void)port_send("MC Y-");
+}
+
+/* Whatever ends it in whatever state, the pins are quiet, the axes free, and the next scan whole. */
+TEST(every_end_in_every_state_leaves_nothing_behind)
+{
+    static void (*const ends[])(void) = {press, halt, ask, switch_fast_off, switch_slow_off};
+
+    for (size_t n = 0; n < sizeof ends / sizeof ends[0]; n++) {
+        for (const char *state = "Sabcdefgh"; *state != '\0'; state++) {
+            int ticks = 0;
+
+            stage_start();
+            WORKED_EXAMPLE;
+            SEND("SCANR Y=0.05", ACKNOWLEDGED);
+            SEND("SCANV X=0.1 Y=0.4 Z=3", ACKNOWLEDGED);
+            SEND("SCAN", ACKNOWLEDGED);
+            while ((char)scan_run_state() != *state)
+                stage_tick();
+            ends[n]();
+            while (scan_run_state() != SCAN_IDLE && ticks++ < 200)
+                stage_tick();
+            if (ticks > 150 || stage_sync || compare_status().armed || motion_busy())
+                CHECK_FAIL("end %d in state %c: not over", (int)n, *state);
+
+            stage_estop = false;
+            SEND("MC X+ Y+", ACKNOWLEDGED);
+            stage_line_count = 0;
+            SEND("M X=0 Y=0", ACKNOWLEDGED);
+            CHECK(stage_run(20000) > 0);
+            SEND("SCAN", ACKNOWLEDGED);
+            CHECK_TEXT(states(), "SabcdefghcdefghcdefI");
+            CHECK_INT(stage_line_count, 3);
+            for (unsigned line = 0; line < 3; line++)
+                CHECK(pixels_lie_on(&stage_lines[line], 94, 24000));
+            CHECK_INT(fault_read(0), FAULT_NONE);
+        }
+    }
+}
+
 TEST(emergency_stop_ends_the_scan)
 {
     stage_start();
@@ -392,6 +456,7 @@ TEST_MAIN(RUN(impossible_scans_are_refused_and_move_nothing);
           RUN(scan_keeps_its_axes_to_itself); RUN(sync_that_never_comes_is_error_85);
           RUN(arming_past_the_reference_is_error_85_and_does_not_run_the_line);
           RUN(line_that_ends_before_its_pixels_is_error_86); RUN(wrong_end_position_is_error_86);
+          RUN(every_end_in_every_state_leaves_nothing_behind);
           RUN(emergency_stop_ends_the_scan);
           RUN(a_scan_told_under_the_emergency_stop_does_not_start_when_it_is_released);
           RUN(an_emergency_stop_before_the_first_move_began_ends_the_scan);
