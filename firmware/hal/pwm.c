@@ -25,8 +25,3 @@ bool pwm_acknowledge_tick(void)
     pwm_interrupt_write(events);
     return (events & REG_PWM_INTERRUPT_OVERRUN_MASK) != 0;
 }
-
-bool pwm_inhibited(void)
-{
-    return pwm_status_inhibited_get() != 0;
-}

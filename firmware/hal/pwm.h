@@ -26,7 +26,4 @@ void pwm_set_tick_periods(uint32_t periods);
 /** Acknowledge the tick interrupt. True: a tick was missed since the last call. */
 bool pwm_acknowledge_tick(void);
 
-/** The interlock holds all drives off now. */
-bool pwm_inhibited(void);
-
 #endif

@@ -25,6 +25,7 @@ static const uint32_t LINES =
 
 static struct console console;
 static bool reset_wanted;
+static uint32_t lost_seen; /* bytes that came in and found no room */
 
 /* Another turn of the main loop is due. Set by the interrupts, cleared by the main loop. */
 static volatile bool turn_due;
@@ -74,6 +75,10 @@ bool application_init(void)
 void application_poll(void)
 {
     turn_due = false;
+    if (serial_lost() != lost_seen) {
+        lost_seen = serial_lost();
+        log_error(FAULT_OVERTIME);
+    }
     console_poll(&console);
     fault_poll();
     events_poll();

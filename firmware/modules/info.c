@@ -6,10 +6,10 @@
 
 #include "modules/axis.h"
 #include "modules/coordinates.h"
-#include "modules/limits.h"
 #include "modules/lookup.h"
 #include "modules/motion.h"
 #include "modules/settling.h"
+#include "modules/status.h"
 #include "modules/tuning.h"
 
 enum {
@@ -224,18 +224,6 @@ static const char *move_state(const struct page *page)
     return modes[page->view.mode];
 }
 
-/* As RDSTAT with a minus sign. */
-static char limit_status(const struct page *page)
-{
-    const int32_t counts = page->view.position_counts;
-
-    if (!motion_enabled(page->axis))
-        return 'D';
-    if (page->view.limit_upper || limits_at_upper(page->axis, counts))
-        return 'U';
-    return page->view.limit_lower || limits_at_lower(page->axis, counts) ? 'L' : ' ';
-}
-
 /* --- The page -------------------------------------------------------------------------------- */
 
 /* Two to a line, after the first line. */
@@ -351,7 +339,7 @@ static void print_line(struct reply *reply, const struct page *page, unsigned li
         reply_text_right(reply, axis_name(page), VALUE);
         reply_pad_to(reply, COLUMN);
         reply_text(reply, "Limits Status: ");
-        reply_char(reply, limit_status(page));
+        reply_char(reply, status_limit_letter(page->axis));
         return;
     }
     print_field(reply, page, &fields[2 * (line - 1)], 0);

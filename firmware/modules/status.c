@@ -40,8 +40,7 @@ static uint8_t status_byte(unsigned axis)
     return (uint8_t)bits;
 }
 
-/* What the original shows to the left of the position: at a limit, disabled, or blank. */
-static char left_letter(unsigned axis)
+char status_limit_letter(unsigned axis)
 {
     struct axis_view view;
 
@@ -86,7 +85,7 @@ static void print_state(struct reply *reply, unsigned axis, enum argument_kind k
         reply_char(reply, right_letter(axis));
         break;
     case ARGUMENT_MINUS:
-        reply_char(reply, left_letter(axis));
+        reply_char(reply, status_limit_letter(axis));
         break;
     default:
         reply_integer(reply, status_byte(axis));

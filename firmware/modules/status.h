@@ -7,4 +7,10 @@
 
 extern const struct module status_module;
 
+/**
+ * What the original shows to the left of an axis' position: U or L at a limit switch or a soft
+ * limit, D disabled, or a blank.
+ */
+char status_limit_letter(unsigned axis);
+
 #endif
