@@ -13,6 +13,8 @@ static void enter(struct loop_state *st, enum loop_mode mode)
     st->dead_ticks = 0;
     st->away_ticks = 0;
     st->near_ticks = 0;
+    st->nearest_counts = INT32_MAX;
+    st->vain_ticks = 0;
     if (mode == LOOP_IDLE || mode == LOOP_FREE) {
         st->behind = false;
         st->commanded = false;
@@ -39,6 +41,20 @@ static void start(const struct loop_config *cfg, struct loop_state *st, enum loo
     pid_reset(&st->pid, error_q8);
     nudge_reset(&cfg->nudge, &st->nudge);
     enter(st, mode);
+}
+
+/* Whether a settling has gone on for too long. */
+static bool is_in_vain(const struct loop_config *cfg, struct loop_state *st, int32_t distance)
+{
+    if (distance < st->nearest_counts) {
+        st->nearest_counts = distance;
+        st->vain_ticks = 0;
+    } else {
+        st->vain_ticks++;
+    }
+    if (st->nudge.active)
+        st->mode_ticks++;
+    return st->vain_ticks > cfg->settle_limit_ticks || st->mode_ticks > cfg->settle_limit_ticks;
 }
 
 /* The mode for this tick, from the last one's and what is seen now. */
@@ -69,7 +85,7 @@ static void decide(const struct loop_config *cfg, struct loop_state *st, bool mo
         st->near_ticks = near ? st->near_ticks + 1 : 0;
         if (st->near_ticks >= cfg->settle_ticks)
             enter(st, st->commanded && cfg->wait_ticks > 0 ? LOOP_WAIT : LOOP_IDLE);
-        else if (st->nudge.active && ++st->mode_ticks > cfg->settle_limit_ticks)
+        else if (is_in_vain(cfg, st, distance))
             loop_free(st, LOOP_NOT_SETTLED);
         break;
     case LOOP_WAIT:

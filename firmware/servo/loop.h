@@ -29,7 +29,7 @@ enum loop_mode { LOOP_FREE, LOOP_IDLE, LOOP_TRACK, LOOP_SETTLE, LOOP_WAIT };
 /** Why the loop let go by itself. */
 enum loop_fault {
     LOOP_NO_FAULT,
-    LOOP_NOT_SETTLED, /**< Nudged for settle_limit_ticks without getting there. */
+    LOOP_NOT_SETTLED, /**< Nudged, or came no nearer, for settle_limit_ticks. */
     LOOP_DEAD,        /**< Full drive for dead_ticks without any movement. */
     LOOP_RUNAWAY,     /**< Far from the set-point and moving away from it. */
 };
@@ -50,7 +50,7 @@ struct loop_config {
     uint32_t runaway_ticks;      /**< Ticks of moving away, net, that make a runaway. */
     uint32_t dead_ticks;         /**< Ticks of full drive without movement: a dead axis. */
     uint32_t settle_ticks;       /**< Ticks in a row within the finish error: arrived. */
-    uint32_t settle_limit_ticks; /**< Ticks of nudging after which it gives up. */
+    uint32_t settle_limit_ticks; /**< Ticks of nudging, or of coming no nearer, until it gives up. */
     uint32_t wait_ticks;         /**< Pause after a commanded move. */
     uint32_t lead_ticks;         /**< Feed-forward comes this early; below LOOP_LEAD_TICKS. */
     struct nudge_config nudge;
@@ -67,6 +67,8 @@ struct loop_state {
     int32_t position_counts; /**< Of the last tick. */
     uint32_t mode_ticks;     /**< Ticks in WAIT, or of nudging in SETTLE. */
     uint32_t near_ticks;     /**< Ticks in a row in SETTLE within the finish error. */
+    int32_t nearest_counts;  /**< Least error in SETTLE so far. */
+    uint32_t vain_ticks;     /**< Ticks in SETTLE since the error was less than ever before. */
     uint32_t still_ticks;    /**< Ticks in a row without a change of position; saturates. */
     uint32_t dead_ticks;     /**< Ticks in a row of full drive without one. */
     uint32_t away_ticks;     /**< Ticks of moving away less ticks of coming nearer. */

@@ -451,6 +451,20 @@ TEST(a_cut_motor_wire_ends_as_a_dead_axis)
     CHECK_INT(board_count(closed_loop_board(), 0), 4540);
 }
 
+/* With a gain far too high it swings about its target for ever. */
+TEST(an_axis_that_never_settles_is_given_up)
+{
+    start();
+    SEND("KP X=32767");
+    SEND("KD X=0");
+    SEND("M X=1000");
+    CHECK(closed_loop_wait(5000) > 2500);
+    CHECK_INT(fault_read(0), FAULT_ADJUST_MOVE + 0);
+    closed_loop_run(500);
+    CHECK(motion_in_position(0));
+    CHECK(fabs(closed_loop_position(0) - 4540) < 1000);
+}
+
 /* It runs away from the set-point: stopped beyond RUNAWAY after 10 ms of it. */
 TEST(a_reversed_motor_ends_as_a_runaway)
 {
@@ -496,4 +510,5 @@ TEST_MAIN(RUN(busy_before_the_acknowledge_and_until_arrival);
           RUN(the_emergency_stop_ends_everything_and_nothing_moves_after_it);
           RUN(a_disabled_axis_ignores_moves);
           RUN(a_cut_motor_wire_ends_as_a_dead_axis);
+          RUN(an_axis_that_never_settles_is_given_up);
           RUN(a_reversed_motor_ends_as_a_runaway))
