@@ -7,6 +7,7 @@ PYTHON  := .venv/bin/python
 PYTEST  := $(PYTHON) -m pytest
 JOBS    ?= $(shell nproc)
 READY   := .venv/.ready
+export PYTHONUTF8 := 1
 
 help: ## Print this help
 	@echo "Abbe: an open microscope-stage controller. Targets:"; echo
