@@ -103,9 +103,13 @@ def one_too_few(scope):
     del scope.pulses[-1]
 
 
-def slow(scope):
+def slow(scope, clocks=1):
     for pair in scope.pulses + scope.sync:
-        pair[:] = [time_ps + 3 * CLOCK_PS for time_ps in pair]
+        pair[:] = [time_ps + clocks * CLOCK_PS for time_ps in pair]
+
+
+def fast(scope):
+    slow(scope, -1)
 
 
 def second_sync(scope):
@@ -126,7 +130,8 @@ def silent(scope):
 
 @pytest.mark.parametrize("spoil, said", [
     (drop, "missed: 1"), (add, "extra: 1"), (move, "moved: 1"), (one_too_few, "missed: 1"),
-    (slow, "latency: 11 clocks"), (second_sync, "SYNC edges: 2"), (late_reference, "start, counts: 24"),
+    (slow, "latency, clocks: 9, expected 8"), (fast, "latency, clocks: 7, expected 8"),
+    (second_sync, "SYNC edges: 2"), (late_reference, "start, counts: 24"),
     (silent, f"missed: {PIXELS}"),
 ])
 def test_every_defect_fails_the_demo(tmp_path, spoil, said):
