@@ -152,7 +152,7 @@ class ComparePeripheral(wiring.Component):
         disarm: Field(action.W, 1, doc="Ends what is under way. Wins over arm.")
 
     class Status(Register, access="r"):
-        """State of the line, at most 0.5 us old."""
+        """State of the line, at most 240 ns old."""
         armed: Field(action.R, 1, doc="Waiting for the reference edge.")
         active: Field(action.R, 1, doc="The edge was crossed; SYNC is on.")
         late: Field(action.R, 1, doc="The last arming was at or past its reference, and does not fire.")

@@ -217,7 +217,7 @@ class DividerPeripheral(wiring.Component):
     class Width(Register, access="rw"):
         """Length of a pulse."""
         value: Field(action.RW, WIDTH_BITS, unit="fast clocks",
-                     doc="Taken at the next pulse. 0 is refused at arming.")
+                     doc="Taken at the next pulse. 0 is refused at arming, and written in a line acts as 1.")
 
     class IntervalMin(Register, access="rw"):
         """Time between two pixels at the highest speed the line is scanned at; used to judge Width only."""
@@ -234,7 +234,7 @@ class DividerPeripheral(wiring.Component):
         merged: Field(action.R, 1, doc="Merged is not 0.")
 
     class Produced(Register, access="r"):
-        """Pixels of the line so far; live, at most 0.5 us old, and final with the event finished."""
+        """Pixels of the line so far; live, at most 240 ns old, and final with the event finished."""
         value: Field(action.R, WIDTH, doc="Counted with or without a pulse. To 0 at arming.")
 
     class EndPosition(Register, access="r"):

@@ -30,10 +30,11 @@ LiveSettings = data.StructLayout({"routes": Routes, "width": WIDTH_BITS, "axis":
 """Settings that take effect without arming.  ``axis``: of the direct output."""
 
 LineReport = data.StructLayout({
-    "armed": 1, "active": 1, "late": 1, "ticket": 1, "started": 1, "finished": 1, "went_late": 1,
+    "armed": 1, "active": 1, "late": 1, "ticket": 1, "started": 2, "finished": 2, "went_late": 2,
     "produced": 32, "end_position": 32, "merged": 32,
 })
-"""State of the line at one clock.  ``started``, ``finished`` and ``went_late`` flip at each such event."""
+"""State of the line at one clock.  ``started``, ``finished`` and ``went_late`` count such events, modulo 4: no more
+than 2 of a kind, one of each of two lines, come between two reports, since a command waits for a report."""
 
 
 class AxisSelector(wiring.Component):
@@ -107,8 +108,11 @@ class ScanLine(wiring.Component):
         ]
 
         # Clock 3: pulse, and the levels of the same step.  ``active`` still shows the clock of ``done``.
+        # A pixel that the line before completed in the clock of ``arm`` is at the pulse a clock later.
+        armed = Signal()
+        m.d.fast += armed.eq(arm)
         m.d.comb += [
-            pulse.trigger.eq(divider.pixel), pulse.width.eq(self.live.width), pulse.clear.eq(arm),
+            pulse.trigger.eq(divider.pixel), pulse.width.eq(self.live.width), pulse.clear.eq(arm | armed),
             router.pixel.eq(pulse.pulse),
         ]
         m.d.fast += router.sync.eq(compare.active & ~divider.done)
@@ -126,9 +130,9 @@ class ScanLine(wiring.Component):
         report, late = self.report, Signal()
         m.d.fast += [
             late.eq(compare.late),
-            report.started.eq(report.started ^ compare.fired),
-            report.finished.eq(report.finished ^ divider.done),
-            report.went_late.eq(report.went_late ^ (compare.late & ~late)),
+            report.started.eq(report.started + compare.fired),
+            report.finished.eq(report.finished + divider.done),
+            report.went_late.eq(report.went_late + (compare.late & ~late)),
         ]
         with m.If(compare.judged):
             m.d.fast += report.ticket.eq(self.command.ticket)
@@ -144,9 +148,10 @@ class LinePeripheral(wiring.Component):
     """The scan line with its registers: three banks (compare, divider, router) and one interrupt.
 
     Registers in ``sync``, the line in ``fast``; all crossings are here.  A command takes its settings along, so
-    a line is not disturbed by what is written for the next.  The report is fetched again and again: a register
-    shows the line as it was at most 25 ``sync`` clocks ago, and an interrupt comes as late, with all results of
-    the same clock.
+    a line is not disturbed by what is written for the next; ``Status.busy`` falls within 16 ``sync`` clocks of the
+    write.  The report is fetched again and again: a register shows the line as it was at most 12 ``sync`` clocks
+    ago, and an interrupt comes as late, with all results of the same clock.  Routes, width and the axis of the
+    direct output are at work within 12 clocks of the write.
 
     Members
     -------
@@ -203,7 +208,8 @@ class LinePeripheral(wiring.Component):
             command.payload.divider.eq(divider.settings),
             command.payload.divider.reverse.eq(compare.settings.reverse),
             line.command.eq(command.o), line.command_stb.eq(command.o_stb),
-            compare.busy.eq(waiting | (ticket != report.ticket)),
+            # Busy at once, so that a read right behind the write cannot miss it.
+            compare.busy.eq(compare.arm | compare.disarm | waiting | (ticket != report.ticket)),
         ]
 
         # Settings that need no arming follow their registers all the time.
@@ -211,19 +217,20 @@ class LinePeripheral(wiring.Component):
         m.submodules.live = live = Handover(LiveSettings, source="sync", destination="fast", init=live_init)
         m.d.comb += [
             live.request.eq(live.ready), line.live.eq(live.o),
-            live.payload.routes.eq(router.routes), live.payload.width.eq(divider.width),
+            # No arming refuses a width written in a line: keep it from 0, of which Pulse makes 2**24.
+            live.payload.routes.eq(router.routes), live.payload.width.eq(divider.width | (divider.width == 0)),
             live.payload.axis.eq(divider.axis),
         ]
 
-        # So does the report; an event is a bit that flipped since the last one.
+        # So does the report; an event is a number that changed since the last one.
         m.submodules.latch = latch = Latch(LineReport, source="fast", reader="sync")
         m.d.comb += [latch.i.eq(line.report), latch.request.eq(~latch.busy)]
         with m.If(latch.done):
             m.d.sync += report.eq(latch.o)
         m.d.comb += [
-            compare.started.eq(latch.done & (latch.o.started ^ report.started)),
-            compare.finished.eq(latch.done & (latch.o.finished ^ report.finished)),
-            compare.went_late.eq(latch.done & (latch.o.went_late ^ report.went_late)),
+            compare.started.eq(latch.done & (latch.o.started != report.started)),
+            compare.finished.eq(latch.done & (latch.o.finished != report.finished)),
+            compare.went_late.eq(latch.done & (latch.o.went_late != report.went_late)),
             compare.armed.eq(report.armed), compare.active.eq(report.active), compare.late.eq(report.late),
             divider.produced.eq(report.produced), divider.end_position.eq(report.end_position),
             divider.merged.eq(report.merged),

@@ -71,7 +71,7 @@ class RouterPeripheral(wiring.Component):
     """
 
     class Out0(Register, access="rw"):
-        """Pin OUT0.  Takes effect within 0.5 us, source and polarity in the same clock."""
+        """Pin OUT0.  Takes effect within 240 ns, source and polarity in the same clock."""
         source: Field(action.RW, 4, init=PINS["out0"].value,
                       doc="0 low, 1 high, 2 SYNC (the active line), 3 pixel clock, 4 direct (channel A of the "
                           "divider's axis); others low.")

@@ -339,6 +339,24 @@ async def merged_pulses_are_counted_and_the_pin_stays_high(dut):
 
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
+async def a_width_of_0_written_in_a_line_is_1_and_not_84_ms(dut):
+    control = Controller(dut)
+    await control.start()
+    line = Line(reference=2, whole=3, pixels=5)
+    await control.set_line(line)
+    since = now()
+    assert await control.arm() == 1
+    await control.write("divider.width", 0)
+    await Timer(1, unit="us")
+    await control.move(0, 30)
+    await check(control, line, {0: 0}, since, width=1)
+    assert await control.read("divider.merged") == 0
+    await control.write("compare.control", 1)
+    await control.settle()
+    assert await control.read("divider.status") & 1         # refused, as ever
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
 async def routes_and_polarity_apply_to_pins(dut):
     control = Controller(dut)
     await control.start()

@@ -165,6 +165,20 @@ async def a_new_width_is_taken_at_the_next_pulse(dut):
     assert [n for n in range(1, 800) if pins[n] != pins[n - 1]] == [12, 312, 405, 406]
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(armed=[12, 13, 14, 15])
+async def a_pulse_of_the_line_before_is_not_merged_into_the_next(dut, armed):
+    bench = Bench(dut, {0: -1})
+    await bench.start(live(ROUTES, width=9))
+    merged = []
+    for clock in range(30):
+        seen = await bench.tick({0: 1} if clock >= 6 else {},
+                                command(arm=1, pixels=99) if clock in (0, armed) else None)
+        merged.append(report_fields(seen["report"])["merged"])
+    assert merged[armed] > 0                            # one step and one pulse per clock until then
+    assert merged[armed + 2:] == [0] * (28 - armed)     # the second arming is late: no pulses at all
+
+
 def test_pins(simulate):
     simulate(ScanLine())
 
