@@ -56,9 +56,11 @@ class GlitchFilter(wiring.Component):
     i : In(1)
         Synchronised input.
     samples : In(4)
-        Takes effect when the level next stands still.
+        Taken while the level stands still.
     load : In(1)
         Take ``i`` at once, whatever ``samples`` is.
+    still : Out(1)
+        No change of level is on its way.
     change : Out(1)
         ``level`` changes at the end of this clock (not for ``load``).
     level : Out(1)
@@ -68,6 +70,7 @@ class GlitchFilter(wiring.Component):
     i: In(1)
     samples: In(FILTER_BITS)
     load: In(1)
+    still: Out(1)
     change: Out(1)
     level: Out(1)
 
@@ -81,7 +84,7 @@ class GlitchFilter(wiring.Component):
         missing, differs = self._missing, Signal()
         m.d.comb += [
             differs.eq((self.i ^ self.level) & ~self.load),
-            self.change.eq(differs & (missing == 0)),
+            self.still.eq(~differs), self.change.eq(differs & (missing == 0)),
         ]
         with m.If(differs & (missing != 0)):
             m.d.fast += missing.eq(missing - 1)
@@ -111,7 +114,8 @@ class QuadratureDecoder(wiring.Component):
     a, b, z : In(1)
         Encoder pins, asynchronous.  The count rises when A leads B.
     settings : In(DecoderSettings)
-        A change while a pin is moving may be applied to the next edge only; it never makes a step.
+        A new filter is taken in a clock in which no pin has a change of level on its way, for all three at once,
+        so that no two edges change places; ``invert`` is taken at once.  Neither makes or loses a count.
     steps : Out(StepStream(width))
         ``count`` is 0 at reset and wraps.
     error : Out(1)
@@ -129,6 +133,7 @@ class QuadratureDecoder(wiring.Component):
         if not isinstance(width, int) or width < 2:
             raise ValueError(f"the count needs at least 2 bits, not {width!r}")
         self._filters = [GlitchFilter() for _ in "abz"]
+        self._samples = Signal(FILTER_BITS)     # of the filters, while a pin moves
         super().__init__({
             "a": In(1), "b": In(1), "z": In(1), "settings": In(DecoderSettings),
             "steps": Out(StepStream(width)), "error": Out(1), "errors": Out(16),
@@ -143,10 +148,13 @@ class QuadratureDecoder(wiring.Component):
         m.d.fast += settling.eq(settling >> 1)
 
         a, b, z = self._filters
+        samples = Signal(FILTER_BITS)
+        m.d.comb += samples.eq(Mux(a.still & b.still & z.still, self.settings.filter, self._samples))
+        m.d.fast += self._samples.eq(samples)
         for name, pin, level in ("a", self.a, a), ("b", self.b, b), ("z", self.z, z):
             m.submodules[f"{name}_sync"] = FFSynchronizer(pin, level.i, o_domain="fast")
             m.submodules[f"{name}_filter"] = level
-            m.d.comb += [level.samples.eq(self.settings.filter), level.load.eq(settling[0])]
+            m.d.comb += [level.samples.eq(samples), level.load.eq(settling[0])]
 
         # Judged together with the filters' change of level.  Upward exactly when the new level of A differs
         # from the old level of B; only the case of a single change is used.
@@ -191,7 +199,8 @@ class QuadraturePeripheral(wiring.Component):
     """
 
     class Config(Register, access="rw"):
-        """How the pins are read.  Taken over within 6 ``sync`` clocks of the write, both fields together."""
+        """How the pins are read.  Taken over within 6 ``sync`` clocks of the write, the filter when all pins stand
+        still as well."""
         filter: Field(action.RW, FILTER_BITS, unit="fast clocks",
                       doc="A level is believed after this many further identical samples; 0 is off. "
                           "Delays every edge by as many clocks.")

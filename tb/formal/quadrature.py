@@ -101,6 +101,7 @@ class CountsEveryEdge(Proof):
             Assert(dut.index == rose), Assert(dut.index_count == index_count),
         ]
         # What induction needs to know of the inside: the filters' levels, and what they still wait for.
+        m.d.comb += self.lemmas((start == 0) | (dut._samples == samples))
         for (level, run), inside in zip(believes, dut._filters):
             m.d.comb += self.lemmas(
                 inside.level == level,

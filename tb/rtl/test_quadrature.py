@@ -111,6 +111,29 @@ async def follows_the_model_sample_by_sample(dut, filter, invert):
     assert any(e.moved and e.up for e in expected) and any(e.moved and not e.up for e in expected)
 
 
+@cocotb.test(timeout_time=10, timeout_unit="ms")
+async def a_filter_set_while_moving_costs_no_count(dut):
+    """Edges as close as the longest filter allows; the filter changes at any clock between them."""
+    rng = random.Random(seed := 77)
+    dut._log.info("seed %d", seed)
+    encoder, now = await start(dut)
+    time, direction = now, 1
+    for _ in range(4000):
+        time += rng.randrange(17 * PERIOD_PS // 2, 12 * PERIOD_PS)      # 16 clocks and more on each channel
+        if rng.random() < 0.02:
+            time, direction = time + 20 * PERIOD_PS, -direction
+        encoder.step(time + ((time - now) % PERIOD_PS == 0), direction)
+    moving, changes = cocotb.start_soon(drive(dut, encoder)), 0
+    while not moving.done():
+        await ClockCycles(dut.fast_clk, rng.randrange(5, 60), FallingEdge)
+        dut.settings.value = rng.choice([0, 1, 4, 8, 14, 15, 15, 15])
+        changes += 1
+    dut.settings.value = 0
+    await ClockCycles(dut.fast_clk, 40)
+    assert changes > 400
+    assert dut.errors.value == 0 and dut.steps__count.value.to_signed() == encoder.position
+
+
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 @cocotb.parametrize(direction=[1, -1], phase_ps=[1, 1700, 4999])
 async def counts_one_edge_per_clock(dut, direction, phase_ps):
