@@ -123,6 +123,8 @@ class PwmPeripheral(wiring.Component):
     together at the start of the PWM period ``DutyDelay`` periods after the tick, whenever before it they were
     written: so the time from a snapshot to the drive it causes is constant, whatever the processor does.
 
+    An axis that was off, by ``inhibit`` or by its ``enable``, is driven again by duties taken after its release.
+
     Parameters
     ----------
     period_clocks : int
@@ -153,8 +155,8 @@ class PwmPeripheral(wiring.Component):
 
     class Control(Register, access="rw"):
         """Which axes may be driven."""
-        enable: Field(action.RW, 4, doc="Bit n: axis n is driven, from the next PWM period. "
-                                        "Cleared: its pin goes low at once.")
+        enable: Field(action.RW, 4, doc="Bit n: axis n is driven, from the next time that duties are "
+                                        "taken. Cleared: its pin goes low at once.")
 
     class TickDivider(Register, access="rw"):
         """Rate of the servo tick."""
@@ -209,7 +211,10 @@ class PwmPeripheral(wiring.Component):
         for n, duty in enumerate(self._duty):
             m.submodules[f"axis{n}"] = axis = Pwm(period_clocks=self._period_clocks)
             taken = Signal(signed(13), name=f"taken{n}")
-            with m.If(tick.take):
+            # What was taken before an axis went off must not drive it when it is released.
+            with m.If(axis.off):
+                m.d.sync += taken.eq(0)
+            with m.Elif(tick.take):
                 m.d.sync += taken.eq(duty.f.value.data)
             m.d.comb += [
                 axis.duty.eq(Mux(tick.take, duty.f.value.data, taken)), axis.off.eq(self.inhibit | ~enable[n]),

@@ -188,6 +188,75 @@ async def off_is_at_once_and_on_is_with_the_next_period(dut):
         assert {pwm for pwm, _ in bench.pins[start:]} == {0xf}
 
 
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def an_axis_released_is_not_driven_by_a_duty_from_before(dut):
+    """Off, its duty set to 0, and on again within one servo period: nothing may be left of the old duty."""
+    bench = Bench(dut)
+    await bench.start(divider=4, delay=2)
+    for cause in ["inhibit", "enable"] * 2:
+        for duty in (PERIOD, 0):
+            await bench.write(DUTY, duty)
+            for _ in range(2):
+                await bench.tick()
+            assert dut.pwm.value[0] == 0 or duty          # still driven by the duty of the first pass
+            if duty:
+                await ClockCycles(dut.clk, bench.rng.randrange(2, 4 * PERIOD - 60), FallingEdge)
+                assert dut.pwm.value == 1
+                if cause == "inhibit":
+                    dut.inhibit.value = 1
+                else:
+                    await bench.write(CONTROL, 0)
+                await ClockCycles(dut.clk, 2, FallingEdge)
+                off_at = len(bench.pins)
+                await bench.write(DUTY, 0)
+                if cause == "inhibit":
+                    dut.inhibit.value = 0
+                else:
+                    await bench.write(CONTROL, 0xf)
+                await ClockCycles(dut.clk, 8 * PERIOD, FallingEdge)
+                assert {pwm for pwm, _ in bench.pins[off_at:]} == {0}
+
+
+@cocotb.test(timeout_time=50, timeout_unit="ms")
+async def ticks_and_duties_follow_their_registers_however_they_change(dut):
+    """Divider, delay and duty are written anew in every period; a reference in times says what must come."""
+    bench = Bench(dut)
+    await bench.start(divider=1)
+    await bench.tick()
+    base, periods = len(bench.ticks) - 1, 400 if PERIOD < 100 else 60
+    first = bench.ticks[base]
+    rng, registers = bench.rng, []
+    divider, delay, duty = 1, 0, 0
+    for _ in range(periods):
+        await ClockCycles(dut.clk, rng.randrange(1, PERIOD // 4), FallingEdge)
+        if rng.random() < 0.4:
+            divider = rng.choice([0, 0, 1, 2, 3, 5])
+            await bench.write(DIVIDER, divider)
+        if rng.random() < 0.4:
+            delay = rng.choice([0, 1, 2, 3, 4, 255])
+            await bench.write(DELAY, delay)
+        duty = rng.randrange(PERIOD + 1)
+        await bench.write(DUTY, duty)
+        registers.append((divider, delay, duty))
+        while (len(bench.pins) - first) % PERIOD:
+            await FallingEdge(dut.clk)
+    await ClockCycles(dut.clk, 2 * PERIOD, FallingEdge)
+
+    # Period n + 1 starts with the registers as written in period n.  The tick of period 0 took divider 1, delay 0.
+    last_tick, ticks_every, taken_after, taken, driven = 0, 1, 0, False, 0
+    for start, (divider, delay, duty) in enumerate(registers, 1):
+        free = start >= last_tick + ticks_every
+        tick, stopped = free and divider > 0, free and divider == 0
+        if stopped or not taken and (tick or start == last_tick + taken_after):
+            driven, taken = duty, True
+        if tick:
+            last_tick, ticks_every, taken_after, taken = start, divider, delay, False
+        clock = first + start * PERIOD
+        assert (clock in bench.ticks) == tick, start
+        pins = bench.pins[clock + LEAD:clock + LEAD + PERIOD]
+        assert [pwm & 1 for pwm, _ in pins] == [1] * driven + [0] * (PERIOD - driven), (start, driven)
+
+
 @cocotb.test(timeout_time=10, timeout_unit="ms")
 async def one_axis_is_disabled_alone(dut):
     bench = Bench(dut)
