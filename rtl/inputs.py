@@ -12,7 +12,8 @@ __all__ = ["InputsPeripheral"]
 
 
 class InputsPeripheral(wiring.Component):
-    """Input pins as one register.  Domain ``sync``; a level at a pin is readable 2 clocks after it is sampled.
+    """Input pins as one register.  Domain ``sync``; a level that clock 0 samples is what a read strobe taken by clock 2
+    finds (2 flip-flops, of which the first samples).
 
     Levels only: switches are debounced by firmware, and an edge that matters in time has its own block.
 

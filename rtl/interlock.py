@@ -20,7 +20,8 @@ class Interlock(wiring.Component):
     estop : In(1)
         Pin, asynchronous; 1 = drives off.
     inhibit : Out(1)
-        ``estop`` 2 clocks after it is sampled.  1 after reset, until the pin has been seen low.
+        A level of ``estop`` that clock 0 samples shows after clock 1 (2 flip-flops, of which the first samples), so
+        pins that the next clock forces off go off after clock 2.  1 after reset, until the pin has been seen low.
     """
 
     estop: In(1)

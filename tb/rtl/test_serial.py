@@ -210,6 +210,48 @@ async def a_frame_without_stop_bit_is_dropped_and_counted(dut):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_new_divisor_is_taken_at_the_next_bit(dut):
+    port = Port(dut, 40)
+    await port.start()
+    await port.write(DATA, 0x55)                    # 0 1 0 1 0 1 0 1 0 1 with start and stop bit
+    clocks, edges = 0, []
+    level = 1
+    while len(edges) < 6:
+        await FallingEdge(dut.clk)
+        clocks += 1
+        if dut.tx.value != level:
+            level = int(dut.tx.value)
+            edges.append(clocks)
+            if len(edges) == 3:                     # early in the second data bit: it keeps its length
+                dut.bus__addr.value, dut.bus__w_data.value, dut.bus__w_stb.value = DIVISOR // 4, 16, 1
+                await FallingEdge(dut.clk)
+                dut.bus__w_stb.value = 0
+                clocks += 1
+    assert [b - a for a, b in zip(edges, edges[1:])] == [40, 40, 40, 16, 16]
+
+
+@cocotb.test(timeout_time=4000, timeout_unit="ms")
+async def the_count_of_dropped_frames_stays_at_65535(dut):
+    """As fast as frames go: 8 clocks a bit, the line low for a frame and high for a little."""
+    port = Port(dut, 8)
+    await port.start()
+
+    async def drop(frames):
+        for _ in range(frames):
+            dut.rx.value = 0
+            await Timer(84 * CLOCK_NS, unit="ns")
+            dut.rx.value = 1
+            await Timer(12 * CLOCK_NS, unit="ns")
+
+    await drop(65534)
+    assert await port.read(ERROR_COUNT) == 65534
+    for count in (65535, 65535, 65535):
+        await drop(1)
+        assert await port.read(ERROR_COUNT) == count
+    assert await port.read(ERRORS) == BREAK and await port.drain() == []
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
 async def a_spike_is_no_byte(dut):
     port = Port(dut)
     await port.start()
