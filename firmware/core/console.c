@@ -185,6 +185,14 @@ void console_poll(struct console *console)
     events_publish(EVENT_REPORT_SENT, 0, events_now());
 }
 
+bool console_finish(struct console *console)
+{
+    if (console->state != CONSOLE_IDLE && !send(console))
+        return false;
+    console->state = CONSOLE_IDLE;
+    return true;
+}
+
 bool console_idle(const struct console *console)
 {
     return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0;

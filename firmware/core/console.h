@@ -37,6 +37,12 @@ void console_init(struct console *console, struct ring *receive, struct ring *tr
 /** One turn: take what has come in, carry out at most one line or step, send what fits. */
 void console_poll(struct console *console);
 
+/**
+ * Send what is left of the reply in hand, in a turn that takes and carries out nothing. True: all of
+ * it has gone into the ring; further parts of a long one are given up. Lines that wait go on waiting.
+ */
+bool console_finish(struct console *console);
+
 /** True when no line waits and no reply is being sent: unsolicited text may go out. */
 bool console_idle(const struct console *console);
 

@@ -48,7 +48,6 @@ static void start(void)
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->init != NULL)
             (*module)->init();
-    console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
     reset_wanted = false;
     interrupts_enable(LINES);
 }
@@ -68,6 +67,7 @@ bool application_init(void)
     }
     settings_init(&settings_ram);
     serial_init(identity_clock_rate_hz(), APPLICATION_BITS_PER_S);
+    console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
     start();
     return true;
 }
@@ -79,15 +79,16 @@ void application_poll(void)
         lost_seen = serial_lost();
         log_error(FAULT_OVERTIME);
     }
-    console_poll(&console);
+    if (!reset_wanted)
+        console_poll(&console);
     fault_poll();
     events_poll();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->poll != NULL)
             (*module)->poll();
 
-    /* The acknowledge leaves first. */
-    if (reset_wanted && console_idle(&console) && serial_is_quiet()) {
+    /* The acknowledge leaves first. Lines behind it are carried out after the reset. */
+    if (reset_wanted && console_finish(&console) && serial_is_quiet()) {
         interrupts_enable(0);
         start();
     }
