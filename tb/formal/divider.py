@@ -144,6 +144,7 @@ class PixelsFollowTheRecurrence(Proof):
     cover_depth = 16
     bug_depth = 14
     widths = "N 32.32, phase 32, pixels 32, progress 32, sum 64"
+    fast = False            # two minutes, most of it for the claim; the random lines of tb/rtl are quicker
     bugs = {
         "the carry is lost": ("edges.extra.eq(extra)", "edges.extra.eq(0)"),
         "the carry comes a pixel late at full rate": ("following.eq(Mux(advance, carry, after))",

@@ -102,6 +102,27 @@ async def an_event_stays_until_its_own_bit_is_written(dut):
     assert await read(dut, 0xc) == 2
 
 
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def an_event_in_the_clock_in_which_it_is_cleared_is_kept(dut):
+    """The event comes in each of the clocks around the write: an earlier one is cleared, any other stays."""
+    await start(dut)
+    kept = []
+    for clock in range(6):
+        dut.set.value = 1
+        await RisingEdge(dut.clk)
+        dut.set.value = 0
+        await RisingEdge(dut.clk)
+        dut.bus__addr.value, dut.bus__w_data.value = 3, 1
+        for n in range(8):
+            dut.set.value, dut.bus__w_stb.value = int(n == clock), int(n == 2)
+            await RisingEdge(dut.clk)
+        kept.append(await read(dut, 0xc) & 1)
+        await write(dut, 0xc, 3)
+        assert await read(dut, 0xc) == 0
+    # The strobe of clock 2 clears in clock 3.
+    assert kept == [0, 0, 0, 1, 1, 1]
+
+
 def test_bank_on_its_bus(simulate):
     simulate(Sample())
 
