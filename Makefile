@@ -37,7 +37,7 @@ jitter: $(READY) ## Measure SYNC and pixel clock in a recording: make jitter FIL
 test: lint ## All tests of the ordinary suite (no board needed)
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb
 
-test-rtl: $(READY) ## Gateware blocks at their pins and over their bus, and the proofs
+test-rtl: $(READY) ## Gateware blocks at their pins and over their bus, the quick proofs, the manual's figures
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/rtl tb/formal tb/vectors
 
 test-firmware: $(READY) ## Firmware on the host, under sanitizers
@@ -45,6 +45,9 @@ test-firmware: $(READY) ## Firmware on the host, under sanitizers
 
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
+
+test-host: $(READY) ## The analyser and the demo's own checks, on recordings with faults in them
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/host
 
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
@@ -66,4 +69,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system formal lint gen firmware clean distclean
+.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-host formal lint gen firmware clean distclean
