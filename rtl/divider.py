@@ -153,9 +153,12 @@ class PixelDivider(wiring.Component):
         # The fraction works ahead and a clock behind the pixels: ``extra`` is the carry for the next reload,
         # ``after`` the one for the reload after it unless ``carry`` is just about to move there.
         fraction, carry, after, advance = self._fraction, self._carry, self._after, self._advance
-        following = Signal()
-        m.d.comb += following.eq(Mux(advance, carry, after))
-        m.d.fast += [advance.eq(self.arm | primed.any() | complete), after.eq(following)]
+        following, priming, completed = Signal(), Signal(), Signal()
+        m.d.fast += [priming.eq(self.arm | primed.any()), completed.eq(complete), after.eq(following)]
+        m.d.comb += [
+            # Joined behind the flip-flops: ``complete`` comes late in its clock.
+            advance.eq(priming | completed), following.eq(Mux(advance, carry, after)),
+        ]
         with m.If(primed[1:].any() | complete):
             m.d.fast += extra.eq(following)
         with m.If(self.arm):
@@ -164,8 +167,8 @@ class PixelDivider(wiring.Component):
             m.d.fast += Cat(fraction, carry).eq(fraction + self.settings.fraction)
 
         # Clock 2: results.
-        completed, pixel_count = Signal(), Signal(signed(WIDTH))
-        m.d.fast += [completed.eq(complete), pixel_count.eq(count)]
+        pixel_count = Signal(signed(WIDTH))
+        m.d.fast += pixel_count.eq(count)
         with m.If(primed[0]):
             m.d.fast += [self.produced.eq(0), self.end_position.eq(0)]
         with m.Elif(completed):
