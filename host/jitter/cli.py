@@ -48,7 +48,8 @@ def parser() -> argparse.ArgumentParser:
     clock = top.add_argument_group("timing")
     clock.add_argument("--clock-ns", type=float, default=5.0, help="period of the sampling clock (default 5)")
     clock.add_argument("--latency-min-ns", type=float, default=0, help="least edge-to-pulse latency (default 0)")
-    clock.add_argument("--latency-max-ns", type=float, default=1000, help="greatest latency (default 1000)")
+    clock.add_argument("--latency-max-ns", type=float,
+                       help="greatest latency (default: half a pixel at the line's speed, but at least 1000)")
     out = top.add_argument_group("output")
     out.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON ('-' prints them)")
     out.add_argument("--plot", type=Path, metavar="FILE", help="write the picture")
@@ -119,7 +120,8 @@ def _settings(top, options) -> Settings:
         top.error(f"--n {options.n}: {error}")
     return Settings(
         divide=divide, pixels=options.pixels, clock_ps=options.clock_ns * 1000,
-        latency_ps=(round(options.latency_min_ns * 1000), round(options.latency_max_ns * 1000)),
+        latency_ps=(round(options.latency_min_ns * 1000),
+                    None if options.latency_max_ns is None else round(options.latency_max_ns * 1000)),
         counts_per_mm=options.counts_per_mm, origin_counts=options.origin_counts,
         serpentine=options.serpentine,
     )

@@ -29,14 +29,15 @@ ORIGINAL: dict[str, tuple[str, tuple[float, float] | None, bool]] = {
 
 
 def table(rows: list[tuple[str, str, float | None]]) -> list[str]:
-    """Lines of text: name, ours, the original's, and how many times better, where both have a number."""
+    """Lines of text: name, ours, the original's, and how many times better, where both have a number and it is better."""
     cells = [("", "measured", "original", "times better")]
     for name, ours, number in rows:
         theirs, span, less = ORIGINAL.get(name, ("", None, True))
         ratio = ""
         if span and number:
             low, high = (s / number if less else number / s for s in span)
-            ratio = f"{low:.0f}" if round(low) == round(high) else f"{low:.0f} to {high:.0f}"
+            if round(low) > 1:
+                ratio = f"{low:.0f}" if round(low) == round(high) else f"{low:.0f} to {high:.0f}"
         cells.append((name, ours, theirs, ratio))
     widths = [max(len(row[i]) for row in cells) for i in range(4)]
     return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in cells]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """SYNC pulses to lines, and the pulses of a line to pixels by index.
 
-Every SYNC pulse is a line. SYNC leaves the chip a constant latency after its own encoder edge, so that
-edge is the last one in the scan direction before SYNC within the stated latency. Progress is the number
+Every SYNC pulse is a line. SYNC leaves the chip a latency after its own encoder edge, so that edge is the
+last one in the scan direction before SYNC within the greatest latency. Where no greatest latency is stated,
+a pulse may come until half-way to the next one, and SYNC a pixel or 50 us late, whichever is less. Progress is the number
 of new maxima in the scan direction since that edge; going back and returning is no progress. Pixel k
 belongs to the edge at which progress reaches floor(k*N + phi), and to no other: a pulse is pixel k when
 that edge lies before it by the stated latency, whatever other pulses there are. So a missing pulse
@@ -18,6 +19,9 @@ import numpy as np
 from .count import Count
 from .divide import Divide
 
+LEAST_WINDOW_PS = 1_000_000                                  # pixels may follow each other faster than the latency
+SYNC_WINDOW_PS = 50_000_000
+
 
 @dataclass
 class Line:
@@ -31,6 +35,8 @@ class Line:
         +1 or -1.
     reference_ps : int or None
         SYNC's own encoder edge; None when there is none within the latency, and then nothing is paired.
+    sync_window_ps, window_ps : (int, int)
+        Least and greatest latency looked for: of SYNC, and of pixel pulses.
     start_counts, end_counts : int
         The count at the reference edge, and at the last pixel's edge.
     edge_ps : int64 array
@@ -53,7 +59,9 @@ class Line:
     end_ps: int
     complete: bool
     direction: int
-    reference_ps: int | None
+    reference_ps: int | None = None
+    sync_window_ps: tuple[int, int] = (0, LEAST_WINDOW_PS)
+    window_ps: tuple[int, int] = (0, LEAST_WINDOW_PS)
     start_counts: int = 0
     end_counts: int = 0
     expected: int = 0
@@ -71,34 +79,48 @@ class Line:
         return None if self.reference_ps is None else self.sync_ps - self.reference_ps
 
 
-def find_lines(count: Count, sync, capture_end_ps: int, window_ps: tuple[int, int]) -> list[Line]:
-    """A :class:`Line` for every rising edge of ``sync``, with its reference but no pixels yet."""
-    rising, falling = sync.rising_ps(), sync.falling_ps()
+def find_lines(count: Count, sync, capture_end_ps: int) -> list[Line]:
+    """A :class:`Line` for every rising edge of ``sync``, with no reference and no pixels yet."""
+    falling = sync.falling_ps()
     lines = []
-    for sync_ps in rising.tolist():
+    for sync_ps in sync.rising_ps().tolist():
         after = int(np.searchsorted(falling, sync_ps, side="right"))
         complete = after < len(falling)
         end_ps = int(falling[after]) if complete else capture_end_ps
-        direction = int(np.sign(count.at(end_ps) - count.at(sync_ps)))
-        first, last = np.searchsorted(count.times_ps, [sync_ps - window_ps[1], sync_ps - window_ps[0]])
-        last += int(last < len(count.times_ps) and count.times_ps[last] == sync_ps - window_ps[0])
-        if direction == 0:                                   # a line without motion: the way it came
-            direction = int(count.steps[last - 1]) if last else 1
-        candidates = np.flatnonzero(count.steps[first:last] == direction)
-        line = Line(sync_ps, end_ps, complete, direction, None)
+        lines.append(Line(sync_ps, end_ps, complete, int(np.sign(count.at(end_ps) - count.at(sync_ps)))))
+    return lines
+
+
+def find_references(lines: list[Line], count: Count, divide: Divide, latency_ps: tuple[int, int | None]):
+    """Settle how late the pulses of each line may be, and find SYNC's own edge.
+
+    ``latency_ps`` is the least and greatest latency; None for the greatest takes it from the line's speed.
+    """
+    for line in lines:
+        least_ps, greatest_ps = latency_ps
+        line.window_ps = line.sync_window_ps = (least_ps, greatest_ps)
+        if greatest_ps is None:
+            counts = abs(count.at(line.end_ps) - count.at(line.sync_ps))
+            pixel_ps = int((line.end_ps - line.sync_ps) * divide.value() / counts) if counts else 0
+            line.window_ps = (least_ps, max(least_ps + LEAST_WINDOW_PS, pixel_ps // 2))
+            line.sync_window_ps = (least_ps, max(least_ps + LEAST_WINDOW_PS, min(pixel_ps, SYNC_WINDOW_PS)))
+        least_ps, greatest_ps = line.sync_window_ps
+        first = int(np.searchsorted(count.times_ps, line.sync_ps - greatest_ps))
+        last = int(np.searchsorted(count.times_ps, line.sync_ps - least_ps, side="right"))
+        if line.direction == 0:                              # a line without motion: the way it came
+            line.direction = int(count.steps[last - 1]) if last else 1
+        candidates = np.flatnonzero(count.steps[first:last] == line.direction)
         if candidates.size:
             edge = int(first + candidates[-1])
             line.reference_ps = int(count.times_ps[edge])
             line.start_counts = line.end_counts = int(count.counts[edge])
-        lines.append(line)
-    return lines
 
 
-def pair(lines: list[Line], count: Count, pixel, divide: Divide, window_ps: tuple[int, int],
-         pixels: int | None, serpentine: bool = False) -> np.ndarray:
+def pair(lines: list[Line], count: Count, pixel, divide: Divide, pixels: int | None,
+         serpentine: bool = False) -> np.ndarray:
     """Give the pulses of ``pixel`` to the pixels of ``lines``; return the pulses outside any line.
 
-    ``window_ps`` is the least and greatest latency from an edge to its pulse. ``pixels`` is what a line
+    ``pixels`` is what a line
     should have; None means as many as the stage completed while SYNC was active. ``serpentine``: lines against
     the first one's direction have their pixels on the first one's edges.
     """
@@ -107,17 +129,20 @@ def pair(lines: list[Line], count: Count, pixel, divide: Divide, window_ps: tupl
     for i, line in enumerate(lines):
         next_ps = lines[i + 1].sync_ps if i + 1 < len(lines) else np.iinfo(np.int64).max
         # The last pixel's pulse leaves with the end of SYNC or a latency after it.
-        mine = (rising >= line.sync_ps) & (rising <= min(line.end_ps + window_ps[1], next_ps - 1))
+        mine = (rising >= line.sync_ps) & (rising <= min(line.end_ps + line.window_ps[1], next_ps - 1))
         in_a_line |= mine
         if line.reference_ps is None:
             line.extra_ps = rising[mine]
             continue
         back = serpentine and line.direction != lines[0].direction
         own = divide.returning(pixels or lines[0].expected) if back else divide
-        _complete(line, count, own, window_ps, pixels, next_ps)
-        _assign(line, rising[mine], window_ps)
+        _complete(line, count, own, line.window_ps, pixels, next_ps)
+        _assign(line, rising[mine], line.window_ps)
+        # What comes after SYNC and is no pixel of the line is outside it.
+        in_a_line[np.isin(rising, line.extra_ps[line.extra_ps > line.end_ps + LEAST_WINDOW_PS])] = False
+        line.extra_ps = line.extra_ps[line.extra_ps <= line.end_ps + LEAST_WINDOW_PS]
         if not line.complete:
-            _leave_out_the_unrecorded(line, window_ps, pixels)
+            _leave_out_the_unrecorded(line, line.window_ps, pixels)
         _find_merged(line, rising, falling)
     return rising[~in_a_line]
 

@@ -77,9 +77,9 @@ def as_text(figures: Figures, more_rows=()) -> str:
     ``more_rows`` are rows as :func:`measured_rows` makes them, of figures that pins alone do not show.
     """
     result = as_dict(figures)
-    verdict = "exact" if not result["findings"] else f"{len(figures.findings)} findings"
+    verdict = "exact" if not result["findings"] else plural(len(figures.findings), "finding")
     text = [
-        f"{result['pixels']} pixel pulses in {result['sync_edges']} lines, N = {result['counts_per_pixel']:.10g} "
+        f"{plural(result['pixels'], 'pixel pulse')} in {plural(result['sync_edges'], 'line')}, N = {result['counts_per_pixel']:.10g} "
         f"({result['counts_per_pixel_source']}): {verdict}",
         "",
     ]
@@ -104,17 +104,19 @@ def measured_rows(figures: Figures, result: dict) -> list[tuple[str, str, float 
     ]
     if result["latency_ns"]:
         latency, jitter, clocks = result["latency_ns"], result["jitter_ns"], result["latency_clocks"]
+        # Only a clock whose phase is known tells when it sampled.
+        sampled = f" ({clocks} clocks after sampling)" if figures.grid.phase_ps is not None and clocks else ""
         rows += [
-            ("edge to pulse", f"{latency['min']:.3f} to {latency['max']:.3f} ns ({clocks} clocks after sampling)",
-             latency["max"] / 1000),
+            ("edge to pulse", f"{_range(latency)}{sampled}", latency["max"] / 1000),
             ("jitter, peak to peak", f"{jitter['pp']:.3f} ns", jitter["pp"] / 1000),
             ("jitter, rms", f"{jitter['rms']:.3f} ns", None),
         ]
     if result["sync_latency_ns"]:
-        sync = result["sync_latency_ns"]
-        rows.append(("edge to SYNC", f"{sync['min']:.3f} to {sync['max']:.3f} ns", None))
+        rows.append(("edge to SYNC", _range(result["sync_latency_ns"]), None))
     if result["period_jitter_clocks"]:
-        rows.append(("period jitter", f"{result['period_jitter_clocks']['max']:.3f} clocks at most", None))
+        clocks = result["period_jitter_clocks"]["max"]
+        most = f"{clocks:.3f} clocks" if result["latency_clocks"] else f"{clocks * result['clock_ns']:.3f} ns"
+        rows.append(("period jitter", f"{most} at most", None))
     if result["pixel_rate_hz"]:
         rows.append(("pixel clock", f"{result['pixel_rate_hz'] / 1000:.4g} kHz", result["pixel_rate_hz"] / 1000))
     if result["pulse_width_ns"]:
@@ -124,6 +126,16 @@ def measured_rows(figures: Figures, result: dict) -> list[tuple[str, str, float 
     if per_mm:
         rows.append(("pixel", f"{1000 * result['counts_per_pixel'] / per_mm:.5f} um", None))
     return rows
+
+
+def plural(number: int, noun: str) -> str:
+    """``1 line``, ``2 lines``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def _range(span_ns) -> str:
+    low, high = f"{span_ns['min']:.3f}", f"{span_ns['max']:.3f}"
+    return f"{low} ns" if low == high else f"{low} to {high} ns"
 
 
 def _line(line) -> dict:

@@ -10,7 +10,7 @@ import numpy as np
 from .capture import Capture, CaptureError
 from .count import Count, decode
 from .divide import Divide
-from .pairing import Line, find_lines, pair
+from .pairing import Line, find_lines, find_references, pair
 
 PHASE_BINS = 10
 PHASE_BIN_PERCENT = (5.0, 15.0)
@@ -28,8 +28,9 @@ class Settings:
         Pixels in every line; None expects as many as the stage completed while SYNC was active.
     clock_ps : float
         Period of the clock that samples the encoder.
-    latency_ps : (int, int)
-        Least and greatest latency from an encoder edge to its pulse.
+    latency_ps : (int, int or None)
+        Least and greatest latency from an encoder edge to its pulse; None takes the greatest from the line's
+        speed (:mod:`host.jitter.pairing`).
     counts_per_mm : float or None
         For distances in the text and the picture.
     origin_counts : int
@@ -41,7 +42,7 @@ class Settings:
     divide: Divide | None = None
     pixels: int | None = None
     clock_ps: float = 5000
-    latency_ps: tuple[int, int] = (0, 1_000_000)
+    latency_ps: tuple[int, int | None] = (0, None)
     counts_per_mm: float | None = None
     origin_counts: int = 0
     serpentine: bool = False
@@ -120,21 +121,23 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     traces = capture.traces
     count = decode(traces[a], traces[b], settings.origin_counts)
     pulses = traces[pixel]
-    lines = find_lines(count, traces[sync], capture.end_ps, settings.latency_ps)
+    lines = find_lines(count, traces[sync], capture.end_ps)
     divide, source = settings.divide, "given"
     if divide is None:
         divide, source = _divide_from_data(count, lines, pulses), "median of the counts from pulse to pulse"
-    outside = pair(lines, count, pulses, divide, settings.latency_ps, settings.pixels, settings.serpentine)
+    find_references(lines, count, divide, settings.latency_ps)
+    outside = pair(lines, count, pulses, divide, settings.pixels, settings.serpentine)
     grid = _find_grid(settings.clock_ps, capture.resolution_ps(), traces[sync], pulses)
     widths = _widths(pulses)
     figures = Figures(settings, divide, source, count, lines, len(pulses.rising_ps()), grid, outside, widths,
-                      _short(pulses, widths, settings.clock_ps, grid.tolerance_ps))
+                      np.empty(0, np.int64))
     figures.notes += capture.notes
     if settings.divide is None:
         figures.notes.append(f"N = {divide.whole} is taken from the data; one with a fraction must be given")
     if capture.cut_short:
         figures.notes.append("the last line of the file is not complete and was left out")
     _find_moved(figures)
+    figures.short_ps = _short(pulses, figures)
     _bin_phases(figures)
     _say(figures)
     return figures
@@ -177,11 +180,16 @@ def _widths(pulses):
     return falling[:pairs] - rising[:pairs]
 
 
-def _short(pulses, widths, clock_ps, tolerance_ps):
-    """Rising edges of the pulses narrower than most by more than a clock."""
+def _short(pulses, figures):
+    """Rising edges of the pulses narrower than most by more than a clock; made by a program, by half."""
+    widths = figures.widths_ps
     if not widths.size:
         return widths
-    return pulses.rising_ps()[:len(widths)][widths < np.median(widths) - clock_ps - 2 * tolerance_ps]
+    usual = np.median(widths)
+    slack = figures.settings.clock_ps + 2 * figures.grid.tolerance_ps
+    if figures.latency_clocks is None and figures.latency_ps().size:
+        slack = max(slack, usual / 2)
+    return pulses.rising_ps()[:len(widths)][widths < usual - slack]
 
 
 def _find_moved(figures):
@@ -189,6 +197,7 @@ def _find_moved(figures):
 
     Where the clock is known, latency from the sampling clock is a whole number and the commonest is the
     constant. Otherwise latencies may fill a window one clock wide, and the window is where most are.
+    Where most pulses have no one latency, as those made by a program, none is called moved: the jitter says it.
     """
     grid, limit = figures.grid, figures.jitter_limit_ps()
     number, k, edge, pulse = _all_pulses(figures.lines)
@@ -199,7 +208,10 @@ def _find_moved(figures):
     held = np.searchsorted(ordered, ordered + limit, side="right") - np.arange(len(ordered))
     low = ordered[np.argmax(held)]
     high = ordered[np.argmax(held) + held.max() - 1]
+    varies = bool(figures.latency_ps().size) and np.ptp(figures.latency_ps()) > limit
     if grid.phase_ps is None:
+        if varies and 2 * held.max() < len(k):
+            return
         figures.latency_clocks = round(float(low) / grid.clock_ps)
         wrong = (latency < low) | (latency > low + limit)
         by = np.where(latency < low, latency - high, latency - low) / grid.clock_ps
@@ -207,9 +219,11 @@ def _find_moved(figures):
         fewest, most = grid.clocks_since_sampling(edge, pulse)
         values, often = np.unique(np.rint(np.append(fewest, most)), return_counts=True)
         usual = int(values[np.argmax(often)])
-        figures.latency_clocks = usual
         slack = 2 * grid.tolerance_ps / grid.clock_ps
         wrong = (np.abs(fewest - usual) > slack) & (np.abs(most - usual) > slack)
+        if varies and 2 * wrong.sum() > len(k):
+            return
+        figures.latency_clocks = usual
         by = np.where(np.abs(fewest - usual) < np.abs(most - usual), fewest, most) - usual
     for i in np.flatnonzero(wrong).tolist():
         figures.moved.append({"line": int(number[i]), "k": int(k[i]), "at_ps": int(pulse[i]),
@@ -258,8 +272,8 @@ def _say(figures):
     for number, line in enumerate(figures.lines, start=1):
         where = f"line {number}: " if len(figures.lines) > 1 else ""
         if line.reference_ps is None:
-            say(f"{where}no encoder edge within {figures.settings.latency_ps[1] / 1000:g} ns before SYNC "
-                f"at {line.sync_ps} ps: the line has no reference")
+            say(f"{where}no encoder edge within {line.sync_window_ps[1] / 1000:g} ns before SYNC "
+                f"at {line.sync_ps} ps (--latency-max-ns): the line has no reference")
         if not line.complete:
             beyond = f"; {line.unrecorded} pixels lie beyond it" if line.unrecorded else ""
             say(f"{where}the file ends while SYNC is active{beyond}")
@@ -278,8 +292,8 @@ def _say(figures):
         say(f"{where}{name} is moved by {moved['by_clocks']:+g} clocks: latency {moved['latency_ns']:.3f} ns")
     latency = figures.latency_ps()
     if latency.size and np.ptp(latency) > figures.jitter_limit_ps():
-        say(f"jitter {np.ptp(latency) / 1000:.3f} ns is more than the sampling clock makes, "
-            f"{figures.jitter_limit_ps() / 1000:.3f} ns")
+        say(f"jitter {np.ptp(latency) / 1000:.3f} ns is more than a sampling clock of "
+            f"{figures.grid.clock_ps / 1000:g} ns (--clock-ns) makes, {figures.jitter_limit_ps() / 1000:.3f} ns")
     for at_ps in figures.short_ps.tolist():
         say(f"short pulse at {at_ps} ps")
     illegal = figures.count.illegal_ps()

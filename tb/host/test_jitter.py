@@ -5,6 +5,7 @@ Files come from :mod:`tb.host.scope`, an independent model of the pins.
 """
 
 import json
+import random
 import subprocess
 import sys
 from fractions import Fraction
@@ -227,8 +228,45 @@ def test_missing_sync(tmp_path):
 def test_sync_without_an_encoder_edge(tmp_path):
     scope = line(mean_ps=4_000_000)
     scope.sync[0][0] += 2_000_000
-    figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, expect=1)
+    path = scope.write_vcd(tmp_path / "pins.vcd")
+    assert analyse(path, "--n", 24, expect=1)["moved_pulses"][0]["k"] == 0       # late, where the window is not stated
+    figures = analyse(path, "--n", 24, "--latency-max-ns", 1000, expect=1)
     assert "no encoder edge within 1000 ns before SYNC" in figures["findings"][0]
+    assert "--latency-max-ns" in figures["findings"][0]
+
+
+def by_software(n=24, pixels=PIXELS, seed=3):
+    """A line whose SYNC and pulses a program makes, 3 to 9 us after their edges, on a 10 ns analyser."""
+    random_ = random.Random(seed)
+    scope = line(n=n, pixels=pixels, mean_ps=8_300_000)
+    scope.edges = [(time_ps // 10_000 * 10_000, step) for time_ps, step in scope.edges]
+    for rise_fall, late_ps in [(scope.sync[0], 4_000_000)] + [(pulse, None) for pulse in scope.pulses]:
+        late_ps = random_.randint(300, 900) * 10_000 if late_ps is None else late_ps
+        rise_fall[0] = (rise_fall[0] + late_ps) // 10_000 * 10_000
+        rise_fall[1] = rise_fall[0] + random_.randint(900, 1100) * 10_000 if rise_fall[1] < scope.sync[0][1] else \
+            rise_fall[1] + 12_000_000
+    return scope
+
+
+@pytest.mark.parametrize("options", [("--n", 24, "--pixels", PIXELS), ()])
+def test_pulses_made_by_software_are_measured_without_options(tmp_path, capsys, options):
+    """All pixels are at their edges, microseconds late: a latency and a jitter, and no pulse is moved."""
+    figures = analyse(by_software().write_vcd(tmp_path / "pins.vcd"), *options, expect=1)
+    assert (figures["missed"], figures["extra"], figures["moved"]) == (0, 0, 0)
+    assert (figures["start_counts"], figures["end_counts"]) == (BEFORE, BEFORE + 24 * PIXELS)
+    assert 3000 <= figures["latency_ns"]["min"] < 3200 and 8900 < figures["latency_ns"]["max"] < 9100
+    assert figures["latency_clocks"] is None
+    assert len(figures["findings"]) == 1 and "jitter" in figures["findings"][0]
+    text = capsys.readouterr().out
+    assert "1 finding\n" in text and "in 1 line," in text
+    assert "None" not in text and "clocks" not in text and " 0 to 1" not in text
+
+
+def test_a_pulse_missing_among_those_made_by_software_is_named(tmp_path):
+    scope = by_software()
+    del scope.pulses[149]
+    figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, "--pixels", PIXELS, expect=1)
+    assert figures["lines"][0]["missed_k"] == [150] and figures["extra"] == 0
 
 
 def test_pulses_outside_the_line(tmp_path):
@@ -396,6 +434,6 @@ def test_runs_as_a_module_and_draws(tmp_path):
     picture = tmp_path / "scan.png"
     done = subprocess.run([sys.executable, "-m", "host.jitter", str(path), "--n", "24", "--plot", str(picture)],
                           cwd=ROOT, capture_output=True, text=True, check=True)
-    assert "60 pixel pulses in 1 lines, N = 24 (given): exact" in done.stdout
+    assert "60 pixel pulses in 1 line, N = 24 (given): exact" in done.stdout
     assert "3 to 10 us by analogy" in done.stdout
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n" and picture.stat().st_size > 20_000
