@@ -123,6 +123,9 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     pulses = traces[pixel]
     lines = find_lines(count, traces[sync], capture.end_ps)
     divide, source = settings.divide, "given"
+    idle = _idle_axis(count, lines, pulses, a, b)
+    if divide is None and idle:
+        raise CaptureError(idle)
     if divide is None:
         divide, source = _divide_from_data(count, lines, pulses), "median of the counts from pulse to pulse"
     find_references(lines, count, divide, settings.latency_ps)
@@ -139,22 +142,60 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     _find_moved(figures)
     figures.short_ps = _short(pulses, figures)
     _bin_phases(figures)
-    _say(figures)
+    if idle:
+        figures.findings.append(idle)
+    else:
+        _doubt_divide(figures, pulses)
+        _say(figures)
     return figures
+
+
+def _idle_axis(count, lines, pulses, a, b):
+    """What to say where there are more pulses in the lines than encoder edges, which no divide makes; or None."""
+    rising = pulses.rising_ps()
+    spans = [(line.sync_ps, line.end_ps) for line in lines]
+    made, edges = (sum(int(np.diff(np.searchsorted(times, span))[0]) for span in spans)
+                   for times in (rising, count.times_ps))
+    if made < 2 or edges >= made:
+        return None
+    return (f"{a} and {b} hardly change while {made} pulses come ({edges} edges): is this the scanned axis "
+            "(--axis, --a, --b)?")
+
+
+def _counts_between_pulses(count, lines, pulses):
+    """Counts from each pulse of a line to the next one."""
+    gaps = [np.empty(0)]
+    rising = pulses.rising_ps()
+    for line in lines:
+        mine = rising[(rising >= line.sync_ps) & (rising <= line.end_ps)]
+        at = np.searchsorted(count.times_ps, mine, side="right") - 1
+        gaps.append(np.abs(np.diff(count.counts[at[at >= 0]])))
+    return np.concatenate(gaps)
 
 
 def _divide_from_data(count, lines, pulses):
     """Median counts between neighbouring pulses of a line; a missing pulse or two does not change it."""
-    gaps = [np.empty(0)]
-    for line in lines:
-        rising = pulses.rising_ps()
-        mine = rising[(rising >= line.sync_ps) & (rising <= line.end_ps)]
-        at = np.searchsorted(count.times_ps, mine, side="right") - 1
-        gaps.append(np.abs(np.diff(count.counts[at[at >= 0]])))
-    gaps = np.concatenate(gaps)
+    gaps = _counts_between_pulses(count, lines, pulses)
+    if not lines:
+        raise CaptureError("no SYNC edge in the file: is this the line's SYNC (--sync)?")
     if not gaps.size or np.median(gaps) < 1:
         raise CaptureError("N is not given and the file has no line with two pulses to take it from")
     return Divide(int(np.median(gaps)))
+
+
+def _doubt_divide(figures, pulses):
+    """Where pulses and pixels do not match and the pulses keep to another N, say that first."""
+    gaps = _counts_between_pulses(figures.count, figures.lines, pulses)
+    if not gaps.size or figures.missed() + figures.extra() < 2:
+        return
+    usual = gaps[np.abs(gaps - np.median(gaps)) <= 1]        # a missing pulse or two does not change it
+    # The mean of so many whole gaps is known to about a count over their number.
+    known, mean = 2 / len(usual), float(usual.mean())
+    if len(usual) < 10 or len(usual) < 0.9 * len(gaps) or abs(mean - figures.divide.value()) <= known:
+        return
+    if abs(mean - round(mean)) <= known:
+        mean = round(mean)
+    figures.findings.append(f"the pulses look like N = {mean:.5g}, not {figures.divide.value():.10g} (--n)")
 
 
 def _find_grid(clock_ps, tolerance_ps, *outputs):
@@ -277,14 +318,17 @@ def _say(figures):
         if not line.complete:
             beyond = f"; {line.unrecorded} pixels lie beyond it" if line.unrecorded else ""
             say(f"{where}the file ends while SYNC is active{beyond}")
-        for k in line.missed.tolist():
+        silent = line.expected >= 10 and 10 * len(line.k) < line.expected and not line.extra_ps.size
+        if silent:
+            say(f"{where}{len(line.k)} of {line.expected} pixels have a pulse: is this the pixel clock (--pixel)?")
+        for k in line.missed.tolist() if not silent else ():
             due = f" (edge at {line.edge_ps[k - 1]} ps)" if k <= len(line.edge_ps) else " (its edge never came)"
             merged = ", merged with the pulse before" if k in line.merged else ""
             say(f"{where}pixel {k} is missing{due}{merged}")
         for at_ps in line.extra_ps.tolist():
             after = int(np.searchsorted(line.edge_ps, at_ps, side="right"))
             say(f"{where}extra pulse at {at_ps} ps, after the edge of pixel {min(after, line.expected)}")
-    for at_ps in figures.outside_ps.tolist():
+    for at_ps in figures.outside_ps.tolist() if figures.lines else ():
         say(f"extra pulse at {at_ps} ps, outside any line")
     for moved in figures.moved:
         name = f"pixel {moved['k']}" if moved["k"] else "SYNC"

@@ -346,6 +346,40 @@ def test_files_that_are_no_dump_are_refused(tmp_path, capsys, text, message):
     assert message in capsys.readouterr().err
 
 
+def test_an_idle_axis_is_asked_about_in_one_line(tmp_path, capsys):
+    """The recording has the other axis too, which stood still."""
+    path = line().write_vcd(tmp_path / "pins.vcd", names=("y_a", "y_b", "sync", "encoder"))
+    text = path.read_text().replace("$upscope", "$var wire 1 x x_a $end\n$var wire 1 y x_b $end\n$upscope")
+    path.write_text(text.replace("$dumpvars\n", "$dumpvars\n0x\n0y\n"))
+    asked = "x_a and x_b hardly change while 299 pulses come (0 edges): is this the scanned axis"
+    figures = analyse(path, "--n", 24, expect=1)
+    assert len(figures["findings"]) == 1 and figures["findings"][0].startswith(asked)
+    assert main([str(path)]) == 2
+    assert asked in capsys.readouterr().err
+    assert analyse(path, "--axis", "y")["findings"] == []
+
+
+@pytest.mark.parametrize("made, given, looks", [("24", "25", "24"), ("24", "12", "24"), ("38", "24", "38")])
+def test_a_wrong_n_is_told_the_n_that_the_pulses_have(tmp_path, made, given, looks):
+    path = line(n=int(made)).write_vcd(tmp_path / "pins.vcd")
+    assert analyse(path, "--n", given, expect=1)["findings"][0].startswith(f"the pulses look like N = {looks},")
+
+
+def test_a_silent_pixel_channel_is_asked_about_in_one_line(tmp_path):
+    scope = line()
+    scope.pulses.clear()
+    figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, expect=1)
+    assert figures["missed"] == PIXELS
+    assert figures["findings"] == [f"0 of {PIXELS} pixels have a pulse: is this the pixel clock (--pixel)?"]
+
+
+def test_missing_pulses_do_not_make_another_n(tmp_path):
+    scope = line()
+    del scope.pulses[50:250:20]
+    figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, "--pixels", PIXELS, expect=1)
+    assert figures["missed"] == 10 and not any("look like" in finding for finding in figures["findings"])
+
+
 def test_wrong_channel_names_are_answered_with_the_right_ones(tmp_path, capsys):
     path = line(pixels=3).write_vcd(tmp_path / "pins.vcd", names=("ch0", "ch1", "line", "px"))
     assert main([str(path)]) == 2
