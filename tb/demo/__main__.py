@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import tempfile
 from pathlib import Path
 
 from .scenario import Scenario
@@ -47,18 +49,26 @@ def power_up(plant_overrides):
     return controller.build().power_up(plant_overrides=plant_overrides)
 
 
-def run(scenario: Scenario, directory: Path, make_simulator=None) -> dict:
+def run(scenario: Scenario, directory: Path, make_simulator=None, show=None) -> dict:
     """Run a scenario, leave its files in ``directory`` and return the report; ``failures`` is empty when exact.
 
     ``make_simulator(plant_overrides)`` stands in for the simulated controller in tests of the demo itself.
+    ``show(text)`` is given the report for a person, without the transcript that was shown meanwhile.
+    Files get their names when they are complete: of two runs into one directory, the later one's remain.
     """
     from .session import Session
     from .verdict import judge
 
     directory.mkdir(parents=True, exist_ok=True)
-    with (make_simulator or power_up)(scenario.plant) as sim:
-        outcome = Session(sim, scenario, directory / "pins.vcd").run()
-    return judge(scenario, outcome, directory)
+    with tempfile.TemporaryDirectory(prefix=".running-", dir=directory) as running:
+        with (make_simulator or power_up)(scenario.plant) as sim:
+            outcome = Session(sim, scenario, Path(running) / "pins.vcd").run()
+        report, text = judge(scenario, outcome, Path(running))
+        for file in sorted(Path(running).iterdir()):
+            file.replace(directory / file.name)
+    if show:
+        show(text)
+    return report
 
 
 def main(argv=None, make_simulator=None) -> int:
@@ -68,16 +78,21 @@ def main(argv=None, make_simulator=None) -> int:
         scenario = scenario_of(options)
     except ValueError as error:
         top.error(str(error))
-    print(f"Abbe: {scenario.title()}: {scenario.pixels()} pixels expected")
+    from host.jitter import CaptureError
     try:
-        report = run(scenario, options.out, make_simulator)
-    except (RuntimeError, OSError, ValueError) as error:
+        print(f"Abbe: {scenario.title()}: {scenario.pixels()} pixels expected", flush=True)
+        report = run(scenario, options.out, make_simulator, show=lambda text: print(f"\n{text}"))
+        shown = options.out.relative_to(Path.cwd()) if options.out.is_relative_to(Path.cwd()) else options.out
+        print(f"{shown}: report.json report.txt scan.png pins.vcd", flush=True)
+    except KeyboardInterrupt:
+        print("\nstopped: nothing was measured", file=sys.stderr)
+        return 130
+    except BrokenPipeError:                                  # whoever read the text has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 2
+    except (RuntimeError, OSError, ValueError, CaptureError) as error:
         print(f"the demonstration could not run: {error}", file=sys.stderr)
         return 2
-    print()
-    print((options.out / "report.txt").read_text().split("\n", 2)[2])
-    shown = options.out.relative_to(Path.cwd()) if options.out.is_relative_to(Path.cwd()) else options.out
-    print(f"{shown}: report.json report.txt scan.png pins.vcd")
     return 1 if report["failures"] else 0
 
 

@@ -68,6 +68,9 @@ class Session:
                 self._scan()
             except ReplyError as error:
                 self._outcome.failures.append(str(error))
+            else:
+                self._bar.total = self._bar.n = round(self._sim.time_ps / MS)
+                self._bar.set_description_str("done")
             self._recorder.finish()
         clocks, awake = self._sim.clocks
         outcome = self._outcome

@@ -23,10 +23,10 @@ LATENCY_WINDOW_PS = (0, 500_000)
 STANDSTILL_PS = 100_000_000_000                              # no edge for so long: the stage stands
 
 
-def judge(scenario: Scenario, outcome: Outcome, directory: Path) -> dict:
-    """Measure ``pins.vcd`` in ``directory``, write report and picture beside it; return the report.
+def judge(scenario: Scenario, outcome: Outcome, directory: Path) -> tuple[dict, str]:
+    """Measure ``pins.vcd`` in ``directory``, write report and picture beside it.
 
-    Its ``failures`` are empty when the line is exact.
+    Returns the report, and its text without the transcript. The report's ``failures`` are empty when the line is exact.
     """
     a, b = f"{scenario.axis}_a", f"{scenario.axis}_b"
     channels = (a, b, "sync", "encoder")
@@ -53,10 +53,10 @@ def judge(scenario: Scenario, outcome: Outcome, directory: Path) -> dict:
         report["stop"] = stop(scenario, outcome, capture, figures)
     report["failures"] = outcome.failures + failures(scenario, report)
     (directory / "report.json").write_text(json.dumps(report, indent=2) + "\n")
-    (directory / "report.txt").write_text(text(scenario, figures, report))
+    (directory / "report.txt").write_text(text(scenario, figures, report, report["transcript"]))
     draw(figures, capture, channels, directory / "scan.png", f"Abbe: {scenario.title()}", float(scenario.speed),
          deviation)
-    return report
+    return report, text(scenario, figures, report)
 
 
 def failures(scenario: Scenario, report: dict) -> list[str]:
@@ -123,12 +123,13 @@ def stop(scenario: Scenario, outcome: Outcome, capture: Capture, figures: Figure
     }
 
 
-def text(scenario: Scenario, figures: Figures, report: dict) -> str:
-    """The report for a person."""
+def text(scenario: Scenario, figures: Figures, report: dict, transcript=None) -> str:
+    """The report for a person: with a transcript it is for a file, without one it follows what was shown."""
     more = []
     if report["following_error_counts"]:
         error = report["following_error_counts"]
-        more += [("following error, rms", f"{error['rms']:.3f} counts", error["rms"]),
+        # No ratio: ours is that of a model, the original's of a real stage.
+        more += [("following error, rms", f"{error['rms']:.3f} counts", None),
                  ("following error, max", f"{error['max']:.3f} counts", None)]
     more.append(("left over at the end", f"{report['left_over_counts']:g} counts", None))
     verdict = "The line is exact." if not report["failures"] else "The line is NOT exact:"
@@ -136,8 +137,9 @@ def text(scenario: Scenario, figures: Figures, report: dict) -> str:
         verdict = (f"The stage stopped {report['stop']['after_ms']:g} ms and {report['stop']['distance_counts']} "
                    "counts after its PWM wire was cut; every pulse until then is exact.")
     return "\n".join([
-        f"Abbe: {scenario.title()}", "", verdict, *(f"  {failure}" for failure in report["failures"]), "",
-        *report["transcript"], "",
+        *([f"Abbe: {scenario.title()}", ""] if transcript else []),
+        verdict, *(f"  {failure}" for failure in report["failures"]), "",
+        *([*transcript, ""] if transcript else []),
         as_text(figures, more).rstrip(), "",
         "following error: true position less a straight line at exactly the commanded speed; latency: encoder edge",
         "to the pin; jitter: latency's spread, which is the sampling clock's period and nothing else.", "",

@@ -187,6 +187,43 @@ def test_a_controller_that_cannot_be_built_is_said(tmp_path, capsys):
     assert "could not run: make failed" in capsys.readouterr().err
 
 
+def test_ctrl_c_is_said_in_a_sentence(tmp_path, capsys, monkeypatch):
+    def interrupted(self, duration_ps):
+        raise KeyboardInterrupt
+    monkeypatch.setattr(FakeController, "run", interrupted)
+    assert main([*LINE, "--out", str(tmp_path)], lambda plant: FakeController()) == 130
+    assert capsys.readouterr().err.strip().splitlines()[-1] == "stopped: nothing was measured"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_demos_at_once_do_not_spoil_each_other(tmp_path, monkeypatch):
+    """The second one runs from end to end while the first is half-way."""
+    statuses, write = [], FakeController.serial_write
+
+    def start_another(self, data):
+        if data == b"SCAN\r" and not statuses:
+            statuses.append(None)
+            statuses[0] = main([*LINE, "--n", "38", "--out", str(tmp_path)], lambda plant: FakeController())
+        write(self, data)
+    monkeypatch.setattr(FakeController, "serial_write", start_another)
+    status, report, _ = demo(tmp_path)
+    assert (status, statuses) == (0, [0]) and report["pixels"] == PIXELS
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pins.vcd", "report.json", "report.txt", "scan.png"]
+
+
+def test_pins_that_cannot_be_measured_are_said(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("tb.sim.vcd.VcdWriter.__init__.__kwdefaults__", {"signals": ("y_a", "y_b")})
+    assert main([*LINE, "--out", str(tmp_path)], lambda plant: FakeController()) == 2
+    assert "could not run: no channel 'x_a'" in capsys.readouterr().err
+
+
+def test_the_terminal_shows_the_transcript_once(tmp_path, capsys):
+    demo(tmp_path)
+    shown = capsys.readouterr()
+    assert (shown.out + shown.err).count("SCANR X=0.0") == 1
+    assert (tmp_path / "report.txt").read_text().count("SCANR X=0.0") == 1
+
+
 def test_half_speed_plant_is_asked_for(tmp_path):
     scenario = Scenario(speed="2.64", plant=("speed_scale=0.5",))
     assert scenario.maximum_speed_mm_s() < 3.4
