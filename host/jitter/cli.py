@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -16,12 +17,19 @@ from .statistics import Settings, measure
 from .table import read_table
 from .vcd import read_vcd
 
-EXIT_EXACT, EXIT_FINDINGS, EXIT_UNUSABLE = 0, 1, 2
+EXIT_EXACT, EXIT_FINDINGS, EXIT_UNUSABLE, EXIT_STOPPED = 0, 1, 2, 130
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with an option in one sentence."""
+
+    def error(self, message):
+        self.exit(EXIT_UNUSABLE, f"error: {message} (--help lists the options)\n")
 
 
 def parser() -> argparse.ArgumentParser:
     """The options, grouped by what they describe."""
-    top = argparse.ArgumentParser(
+    top = Parser(
         prog="python -m host.jitter",
         description="Measure the pixel clock of a scan line against the encoder edges that should have made it.",
         epilog="Exit status: 0; 2 when the file cannot be measured; with --strict 1 when anything is found wrong.",
@@ -36,7 +44,7 @@ def parser() -> argparse.ArgumentParser:
     names.add_argument("--sync-low", action="store_true", help="SYNC is active low")
     names.add_argument("--pixel-low", action="store_true", help="pixel pulses are low-going")
     names.add_argument("--reverse", action="store_true", help="the count rises when B leads")
-    names.add_argument("--samplerate", type=Fraction, metavar="HZ", help="of a CSV without a time column")
+    names.add_argument("--samplerate", type=_rate, metavar="HZ", help="of a CSV without a time column")
     line = top.add_argument_group("line")
     line.add_argument("--n", help="counts per pixel, as 24 or 24.4 (default: from the data)")
     line.add_argument("--n-fraction", type=_word, help="fraction of N in units of 2^-32, beside a whole --n")
@@ -59,6 +67,19 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: list[str] | None = None) -> int:
     """Measure every file; return the exit status."""
+    try:
+        status = _main(argv)
+        sys.stdout.flush()
+        return status
+    except KeyboardInterrupt:
+        print("\nstopped", file=sys.stderr)
+        return EXIT_STOPPED
+    except BrokenPipeError:                                  # whoever read the text has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_UNUSABLE
+
+
+def _main(argv):
     top = parser()
     options = top.parse_args(argv)
     if options.plot and len(options.file) > 1:
@@ -72,7 +93,8 @@ def main(argv: list[str] | None = None) -> int:
             a, b, sync, pixel = channels
             figures = measure(capture, *((b, a) if options.reverse else (a, b)), sync, pixel, settings)
         except (CaptureError, OSError) as error:
-            print(f"{path}: {error}" if str(path) not in str(error) else error, file=sys.stderr)
+            said = getattr(error, "strerror", None) or str(error)
+            print(said if str(path) in said else f"{path}: {said}", file=sys.stderr)
             status = EXIT_UNUSABLE
             continue
         results[str(path)] = as_dict(figures)
@@ -85,7 +107,14 @@ def main(argv: list[str] | None = None) -> int:
             status = max(status, EXIT_FINDINGS)
     if options.json:
         text = json.dumps(results if len(options.file) > 1 else next(iter(results.values()), {}), indent=2)
-        print(text) if options.json == Path("-") else options.json.write_text(text + "\n")
+        if options.json == Path("-"):
+            print(text)
+        else:
+            try:
+                options.json.write_text(text + "\n")
+            except OSError as error:
+                print(f"{options.json}: {error.strerror}", file=sys.stderr)
+                status = EXIT_UNUSABLE
     return status
 
 
@@ -109,6 +138,14 @@ def _word(text: str) -> int:
     return value
 
 
+def _rate(text: str) -> Fraction:
+    """A sample rate in Hz, exactly."""
+    try:
+        return Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise argparse.ArgumentTypeError(f"expected a number of Hz, not {text!r}") from None
+
+
 def _settings(top, options) -> Settings:
     divide = None
     try:
@@ -116,8 +153,13 @@ def _settings(top, options) -> Settings:
             divide = Divide(int(options.n), options.n_fraction, options.phase)
         elif options.n is not None:
             divide = Divide.from_decimal(options.n, options.phase)
-    except (TypeError, ValueError) as error:
-        top.error(f"--n {options.n}: {error}")
+    except (TypeError, ValueError, ZeroDivisionError):
+        whole = "a whole number of" if options.n_fraction is not None else ""
+        top.error(f"--n: expected {whole or 'a number of'} counts per pixel, 1 or more, not {options.n or 'nothing'}")
+    for name in ("clock_ns", "counts_per_mm", "samplerate", "pixels"):
+        value = getattr(options, name)
+        if value is not None and not value > 0:
+            top.error(f"--{name.replace('_', '-')}: expected a number above 0, not {value}")
     return Settings(
         divide=divide, pixels=options.pixels, clock_ps=options.clock_ns * 1000,
         latency_ps=(round(options.latency_min_ns * 1000),

@@ -380,6 +380,43 @@ def test_missing_pulses_do_not_make_another_n(tmp_path):
     assert figures["missed"] == 10 and not any("look like" in finding for finding in figures["findings"])
 
 
+@pytest.mark.parametrize("options, said", [
+    (("--n", "0"), "error: --n: expected a number of counts per pixel, 1 or more, not 0"),
+    (("--n", "abc"), "error: --n: expected a number of counts per pixel, 1 or more, not abc"),
+    (("--n", "1/0"), "error: --n: expected a number of counts per pixel, 1 or more, not 1/0"),
+    (("--n-fraction", "5"), "error: --n: expected a whole number of counts per pixel, 1 or more, not nothing"),
+    (("--clock-ns", "0"), "error: --clock-ns: expected a number above 0, not 0.0"),
+    (("--clock-ns", "fast"), "error: argument --clock-ns: invalid float value: 'fast'"),
+    (("--samplerate", "1/0"), "error: argument --samplerate: expected a number of Hz, not '1/0'"),
+])
+def test_senseless_options_are_refused_in_one_sentence(tmp_path, capsys, options, said):
+    with pytest.raises(SystemExit) as refused:
+        main([str(tmp_path / "pins.vcd"), *options])
+    error = capsys.readouterr().err
+    assert refused.value.code == 2
+    assert error.startswith(said) and error.count("\n") == 1
+
+
+def test_a_file_that_is_not_there_is_said_plainly(tmp_path, capsys):
+    assert main([str(tmp_path / "none.vcd")]) == 2
+    assert capsys.readouterr().err == f"{tmp_path}/none.vcd: No such file or directory\n"
+
+
+def test_ctrl_c_ends_quietly(tmp_path, capsys, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+    monkeypatch.setattr("host.jitter.cli.measure", interrupted)
+    assert main([str(line(pixels=3).write_vcd(tmp_path / "pins.vcd"))]) == 130
+    assert capsys.readouterr().err == "\nstopped\n"
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
+    path = line(pixels=60).write_vcd(tmp_path / "pins.vcd")
+    command = f"{sys.executable} -m host.jitter {path} --n 24 | true"
+    done = subprocess.run(command, shell=True, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+
+
 def test_wrong_channel_names_are_answered_with_the_right_ones(tmp_path, capsys):
     path = line(pixels=3).write_vcd(tmp_path / "pins.vcd", names=("ch0", "ch1", "line", "px"))
     assert main([str(path)]) == 2
