@@ -46,6 +46,10 @@ test-firmware: $(READY) ## Firmware on the host, under sanitizers
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
 
+test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every proof
+	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py
+	@$(PYTHON) -m tb.formal
+
 test-host: $(READY) ## The analyser and the demo's own checks, on recordings with faults in them
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/host
 
@@ -69,4 +73,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-host formal lint gen firmware clean distclean
+.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host formal lint gen firmware clean distclean

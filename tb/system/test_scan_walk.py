@@ -2,28 +2,35 @@
 """The third walk: from a scan command to the pixel-clock pin, on the real firmware in the real gateware.
 
 Each case sends what a host sends, records nothing but the pins, and is judged by the analyser of ``host/jitter``
-and by pixel counts from the definition floor(K * L / N): pulses exact in number and place, one constant latency,
-jitter of no more than the sampling clock.
+and by pixel counts from the definition floor(K * L / N): pulses exact in number and place, one constant latency of
+8 clocks, jitter of no more than the sampling clock.
+
+Lines are short in the ordinary suite; ``make test-slow`` runs them all at 1 mm (``FULL_LINES=1``).
 """
+
+import os
 
 import pytest
 
 from tb.demo.__main__ import run
 from tb.demo.scenario import Scenario
 
+FULL = "FULL_LINES" in os.environ
+LENGTH = "1.0" if FULL else "0.15"
+
 CASES = {
-    "forward": Scenario(stop="0.15"),
-    "slow as in the worked example": Scenario(stop="0.06", speed="0.528"),
-    "host floods W X Y": Scenario(stop="0.15", flood=True),
-    "plant at half speed": Scenario(stop="0.15", speed="1.32", plant=("speed_scale=0.5",)),
-    "coordinates mirrored": Scenario(stop="0.15", mirrored=True),
-    "negative direction": Scenario(start="0.15", stop="0.0"),
-    "negative and mirrored": Scenario(start="0.1", stop="-0.1", mirrored=True),
-    "Y fast": Scenario(stop="0.15", axis="y"),
-    "N = 38": Scenario(stop="0.15", n="38"),
-    "N = 454": Scenario(stop="0.3", n="454"),
-    "N = 24.4": Scenario(stop="0.15", n="24.4"),
-    "N = 1": Scenario(stop="0.05", n="1", speed="1.0"),
+    "forward": Scenario(stop=LENGTH),
+    "slow as in the worked example": Scenario(stop="1.0" if FULL else "0.06", speed="0.528"),
+    "host floods W X Y": Scenario(stop=LENGTH, flood=True),
+    "plant at half speed": Scenario(stop=LENGTH, speed="1.32", plant=("speed_scale=0.5",)),
+    "coordinates mirrored": Scenario(stop=LENGTH, mirrored=True),
+    "negative direction": Scenario(start=LENGTH, stop="0.0"),
+    "negative and mirrored": Scenario(start="0.1", stop="-0.9" if FULL else "-0.05", mirrored=True),
+    "Y fast": Scenario(stop=LENGTH, axis="y"),
+    "N = 38": Scenario(stop=LENGTH, n="38"),
+    "N = 454": Scenario(stop="1.0" if FULL else "0.3", n="454"),
+    "N = 24.4": Scenario(stop=LENGTH, n="24.4"),
+    "N = 1": Scenario(stop=LENGTH if FULL else "0.05", n="1", speed="1.0"),
 }
 
 
@@ -35,6 +42,6 @@ def test_every_pixel_of_a_line_is_exact(built, tmp_path, name):
 
 
 def test_cutting_the_motor_wire_stops_the_stage(built, tmp_path):
-    report = run(Scenario(stop="0.15", cut_pwm=True), tmp_path)
+    report = run(Scenario(stop=LENGTH, cut_pwm=True), tmp_path)
     assert report["failures"] == []
     assert report["stop"]["standing"]
