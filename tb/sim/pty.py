@@ -15,6 +15,7 @@ import sys
 import time
 import tty
 
+from tb.board import plant
 from tb.sim import controller
 from tb.sim.simulator import S, SCAN_SIGNALS, US
 from tb.sim.vcd import VcdWriter
@@ -93,32 +94,83 @@ def recording(sim, path):
         writer.finish(sim.time_ps)
 
 
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with an option in one sentence."""
+
+    def error(self, message):
+        self.exit(2, f"error: {message} (--help lists the options)\n")
+
+
+def positive(text):
+    """A number above 0."""
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"expected a number above 0, not {text}")
+    return value
+
+
+def override(text):
+    """A change of a plant parameter that the plant takes."""
+    try:
+        plant.load([text])
+    except ValueError as error:
+        said = str(error)
+        raise argparse.ArgumentTypeError(said if text in said else f"{text!r}: {said}") from None
+    return text
+
+
 def parse(arguments=None):
-    parser = argparse.ArgumentParser(prog="make sim", description=__doc__.split("\n\n")[0])
-    parser.add_argument("plant", nargs="*", metavar="[axis.]name=value",
-                        help="change the simulated stage, such as speed_scale=0.5 (names: tb/board/plant.toml)")
-    parser.add_argument("--baud", type=float, default=115200, help="of the simulated line (default: %(default)d)")
+    parser = Parser(prog="make sim", description=__doc__.split("\n\n")[0])
+    parser.add_argument("more_plant", nargs="*", type=override, metavar="[axis.]name=value", help="as --plant")
+    parser.add_argument("--plant", action="append", default=[], type=override, metavar="[AXIS.]NAME=VALUE",
+                        help="change a parameter of the simulated stage, such as x.running_friction=0.2 "
+                             "(tb/board/plant.toml); may be repeated")
+    parser.add_argument("--baud", type=positive, default=115200, help="of the simulated line (default: %(default)d)")
     parser.add_argument("--vcd", metavar="FILE", help="record the pins of a scan, for 'make jitter FILE=...'")
-    parser.add_argument("--report", type=float, default=5, metavar="SECONDS",
+    parser.add_argument("--report", type=positive, default=5, metavar="SECONDS",
                         help="time between reports of the speed (default: %(default)d)")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    options.plant += options.more_plant
+    return options
 
 
-def main():
-    arguments = parse()
-    design = controller.build()
+def run(options, build=controller.build):
+    """Power up what ``build()`` returns and serve it until Ctrl-C.
+
+    Raises :exc:`ValueError` for a plant it does not take, :exc:`OSError` for a file that cannot be written.
+    """
+    if options.vcd:
+        open(options.vcd, "w").close()                       # before minutes of building, if it cannot be written
+    design = build()
     stop = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.append(True))
     with contextlib.ExitStack() as resources:
-        sim = resources.enter_context(design.power_up(plant_overrides=arguments.plant, baud=arguments.baud))
+        sim = resources.enter_context(design.power_up(plant_overrides=options.plant, baud=options.baud))
         port = resources.enter_context(contextlib.closing(Port()))
-        after_slice = [Stopwatch(sim, arguments.report).look]
-        if arguments.vcd:
-            after_slice.append(resources.enter_context(recording(sim, arguments.vcd)))
+        after_slice = [Stopwatch(sim, options.report).look]
+        if options.vcd:
+            after_slice.append(resources.enter_context(recording(sim, options.vcd)))
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: stop.append(True))
         print(f"serial port: {port.path}", flush=True)
         serve(sim, port, lambda: not stop, *after_slice)
 
 
+def main(arguments=None, build=controller.build):
+    """Exit status: 0 after Ctrl-C, 2 when it could not run, 130 when stopped before the port was there."""
+    options = parse(arguments)
+    try:
+        run(options, build)
+    except KeyboardInterrupt:
+        print("\nstopped before the port was open", file=sys.stderr)
+        return 130
+    except OSError as error:
+        print(f"the simulation could not run: {error.filename or ''}: {error.strerror}", file=sys.stderr)
+        return 2
+    except (RuntimeError, ValueError) as error:
+        print(f"the simulation could not run: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -8,7 +8,7 @@ import time
 import pytest
 import serial
 
-from tb.sim.pty import Port, Stopwatch, serve
+from tb.sim.pty import Port, Stopwatch, main, parse, serve
 from tb.sim.simulator import MS, Simulator
 from tb.sim.test_simulator import FIXTURE, GREETING
 
@@ -79,3 +79,35 @@ def test_output_nobody_reads_does_not_stop_it():
         assert got.endswith(b"last")
     finally:
         end.close()
+
+
+@pytest.mark.parametrize("options, said", [
+    (["--plant", "colour=3"], "not 'colour=3'"),
+    (["x.running_friction=much"], "'x.running_friction=much': could not convert"),
+    (["--baud", "0"], "--baud: expected a number above 0, not 0"),
+    (["--report", "0"], "--report: expected a number above 0, not 0"),
+])
+def test_senseless_options_are_refused_in_one_sentence(capsys, options, said):
+    with pytest.raises(SystemExit) as refused:
+        main(options, build=None)
+    error = capsys.readouterr().err
+    assert refused.value.code == 2
+    assert error.startswith("error: ") and said in error and error.count("\n") == 1
+
+
+def test_a_recording_that_cannot_be_written_is_said_before_anything_is_built(tmp_path, capsys):
+    assert main(["--vcd", str(tmp_path / "none" / "pins.vcd")], build=None) == 2
+    assert "none/pins.vcd: No such file or directory" in capsys.readouterr().err
+
+
+def test_a_plant_that_the_board_does_not_take_is_said(capsys):
+    class Design:
+        def power_up(self, **arguments):
+            return Simulator(verilog=FIXTURE, **arguments)
+    assert main(["--plant", "counts_per_mm=0"], build=Design) == 2
+    assert "could not run: " in capsys.readouterr().err
+
+
+def test_both_spellings_of_a_plant_parameter_are_taken():
+    assert parse(["--plant", "x.running_friction=0.2", "speed_scale=0.5"]).plant == \
+        ["x.running_friction=0.2", "speed_scale=0.5"]
