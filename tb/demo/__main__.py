@@ -14,9 +14,16 @@ from .scenario import Scenario
 ROOT = Path(__file__).resolve().parents[2]
 
 
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with an option in one sentence."""
+
+    def error(self, message):
+        self.exit(2, f"error: {message} (--help lists the options)\n")
+
+
 def parser() -> argparse.ArgumentParser:
     default = Scenario()
-    top = argparse.ArgumentParser(prog="python -m tb.demo", description="Scan one line on the simulated controller "
+    top = Parser(prog="python -m tb.demo", description="Scan one line on the simulated controller "
                                   "and measure its pins.", epilog=__doc__.split(": ", 1)[1])
     top.add_argument("--speed", default=default.speed, help=f"line speed, mm/s (default {default.speed})")
     top.add_argument("--n", default=default.n, help=f"counts per pixel, as 24 or 24.4 (default {default.n})")

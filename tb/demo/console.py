@@ -10,6 +10,10 @@ class ReplyError(Exception):
     """The controller did not answer as it should; the message has the command and the reply."""
 
 
+class ScanRefused(RuntimeError):
+    """The controller does not take the line; there is nothing to measure."""
+
+
 class Console:
     """Send commands and check replies, letting simulated time pass meanwhile.
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
@@ -52,10 +53,14 @@ class Scenario:
         if self.axis not in AXES:
             raise ValueError(f"expected axis x or y, not {self.axis!r}")
         for name in ("n", "speed", "start", "stop"):
+            # As the controller reads it, to which it is sent as it stands.
+            if not re.fullmatch(r"-?(\d+\.?\d*|\.\d+)", getattr(self, name)):
+                raise ValueError(f"expected a decimal number for {name}, not {getattr(self, name)!r}")
+        for override in self.plant:
             try:
-                Fraction(getattr(self, name))
-            except ValueError:
-                raise ValueError(f"expected a decimal number for {name}, not {getattr(self, name)!r}") from None
+                plant.load([override])
+            except ValueError as error:
+                raise ValueError(str(error) if override in str(error) else f"plant {override}: {error}") from None
         if Fraction(self.n) < 1:
             raise ValueError(f"expected at least 1 count per pixel, not {self.n}")
         if Fraction(self.start) == Fraction(self.stop):
@@ -63,6 +68,14 @@ class Scenario:
         if not 0 < Fraction(self.speed) <= self.maximum_speed_mm_s():
             raise ValueError(f"expected a speed up to {float(self.maximum_speed_mm_s()):g} mm/s on this plant, "
                              f"not {self.speed}")
+        lower, upper = self.travel_mm()
+        for name in ("start", "stop"):
+            if not lower < Fraction(getattr(self, name)) < upper:
+                raise ValueError(f"expected a {name} within the stage's travel, {float(lower):g} to {float(upper):g} "
+                                 f"mm, not {getattr(self, name)}")
+        if not self.pixels():
+            raise ValueError(f"expected a line of at least one pixel: {float(self.length_mm()):g} mm are "
+                             f"{float(self.length_mm() * self.counts_per_mm()):g} counts, and a pixel is {self.n}")
 
     def commands(self) -> list[str]:
         """The worked example: what a host sends, in order, up to the start of the scan."""
@@ -93,6 +106,13 @@ class Scenario:
         own = self.parameters()
         return Fraction(own["maximum_speed_mm_per_s"]) * min(1, Fraction(own["speed_scale"]) * Fraction(HEADROOM)
                                                              if own["speed_scale"] < 1 else 1)
+
+    def travel_mm(self) -> tuple[Fraction, Fraction]:
+        """Where the limit switches are, in user coordinates: power-up is 0."""
+        own = self.parameters()
+        ends = [Fraction(own[name]) - Fraction(own["start_counts"]) / self.counts_per_mm()
+                for name in ("limit_lower_mm", "limit_upper_mm")]
+        return (-ends[1], -ends[0]) if self.mirrored else (ends[0], ends[1])
 
     def length_mm(self) -> Fraction:
         return abs(Fraction(self.stop) - Fraction(self.start))

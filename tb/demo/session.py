@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
-from .console import MS, S, Console, Flood, ReplyError
+from .console import MS, S, Console, Flood, ReplyError, ScanRefused
 from .recorder import Recorder
 from .scenario import AXES, Scenario
 
@@ -84,7 +84,7 @@ class Session:
         self._console.wait_until_up()
         self._bar.set_description_str("set-up")
         for command in self._scenario.commands():
-            self._console.order(command)
+            self._order(command)
         self._bar.set_description_str("run-up")
         self._until(lambda: self._recorder.sync, self._scenario.approach_s() * 4 + 1, "SYNC did not come")
         self._bar.set_description_str("line")
@@ -100,6 +100,16 @@ class Session:
         self._bar.set_description_str("return")
         self._until_idle()
         self._advance(REST_PS)
+
+    def _order(self, command):
+        """A line that the controller refuses, out of range, is the end of it; any other refusal is a finding."""
+        try:
+            self._console.order(command)
+        except ReplyError as error:
+            if command.startswith("SCAN") and ":N-4" in str(error):
+                raise ScanRefused(f"{error}: the controller cannot scan this line (N too small for the speed and "
+                                  "the pulse width, or no room to run up)") from None
+            raise
 
     def _until_idle(self):
         """A host's wait: ask until the answer is N."""

@@ -171,13 +171,23 @@ def test_a_stage_that_goes_on_after_the_cut_fails(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("options", [
     ("--n", "0"), ("--n", "many"), ("--speed", "0"), ("--speed", "8"), ("--speed", "5", "--half-speed"),
-    ("--start", "0.2"), ("--plant", "colour=3"),
+    ("--start", "0.2"), ("--plant", "colour=3"), ("--plant", "x.running_friction=much"), ("--n", "1/0"),
+    ("--n", "24/5"), ("--n", "9080"), ("--stop", "80"), ("--start", "-56"), ("--stop", "54.99", "--axis", "y",
+                                                                            "--plant", "limit_upper_mm=50"),
 ])
-def test_senseless_options_are_refused(options, capsys):
+def test_senseless_options_are_refused_in_one_sentence(options, capsys):
     with pytest.raises(SystemExit) as refused:
         main([*LINE, *options])
     assert refused.value.code == 2
-    assert "error:" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert error.startswith("error: ") and error.count("\n") == 1
+    assert options[1].split("=")[0] in error or "length" in error or "limit" in options[-1]
+
+
+def test_a_line_that_the_controller_refuses_is_said_and_leaves_no_report(tmp_path, capsys):
+    status = main([*LINE, "--n", "1", "--out", str(tmp_path)], lambda plant: FakeController(answers={"SCAN": ":N-4"}))
+    assert status == 2 and list(tmp_path.iterdir()) == []
+    assert "could not run: 'SCAN' was answered ':N-4'" in capsys.readouterr().err
 
 
 def test_a_controller_that_cannot_be_built_is_said(tmp_path, capsys):
