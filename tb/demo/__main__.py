@@ -52,8 +52,7 @@ def scenario_of(options) -> Scenario:
 def power_up(plant_overrides):
     """The simulated controller with today's gateware and firmware, at time 0."""
     from tb.sim import controller
-    print("building what changed: gateware, firmware, simulator (minutes, when the gateware is new)", flush=True)
-    return controller.build().power_up(plant_overrides=plant_overrides)
+    return controller.build(lambda sentence: print(sentence, flush=True)).power_up(plant_overrides=plant_overrides)
 
 
 def run(scenario: Scenario, directory: Path, make_simulator=None, show=None) -> dict:

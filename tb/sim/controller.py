@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tb import toolchain
 from tb.board.library import cached, exclusive
-from tb.sim.simulator import Simulator
+from tb.sim.simulator import Simulator, is_built
 
 FIRMWARE = toolchain.BUILD / "firmware" / "abbe.elf"
 
@@ -68,7 +68,7 @@ def write_images(elf, directory):
     return images
 
 
-def write_verilog():
+def write_verilog(say):
     """Path of the gateware's Verilog; elaborates the design only if a source has changed, which takes seconds."""
     root, result = toolchain.ROOT, toolchain.BUILD / "soc" / "abbe.v"
     sources = [*root.glob("rtl/**/*.py"), *root.glob("soc/**/*.py"), *root.glob("soc/**/*.v"),
@@ -76,6 +76,7 @@ def write_verilog():
     key = toolchain.content_key(*sorted(sources))
     stamp = toolchain.BUILD / "sim" / "gateware.key"
     if not (result.exists() and stamp.exists() and stamp.read_text() == key):
+        say("building the gateware")
         from soc import verilog
         stamp.unlink(missing_ok=True)
         verilog.write(result.parent)
@@ -83,17 +84,21 @@ def write_verilog():
     return result
 
 
-def build():
+def build(say=lambda sentence: None):
     """Build what is missing or out of date; returns the :class:`Controller`.
 
-    Its files are copies, named by content: a later build does not change them under a running simulation.
+    ``say(sentence)`` is told before the gateware is built, and when :meth:`Controller.power_up` will have to build
+    its simulator; the firmware takes a moment only. The controller's files are copies, named by content: a later
+    build does not change them under a running simulation.
     """
     with exclusive(toolchain.BUILD / "sim" / "controller.lock"):
-        verilog = write_verilog()
+        verilog = write_verilog(say)
         toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
         directory = toolchain.BUILD / "sim" / "controller" / toolchain.content_key(verilog, FIRMWARE)
         with cached(directory) as empty:
             if empty:
                 shutil.copy(verilog, directory)
                 write_images(FIRMWARE, directory)
+    if not is_built(directory / "abbe.v"):
+        say("building the simulator of this gateware, which takes minutes")
     return Controller(*(directory / name for name in ("abbe.v", "boot.hex", "firmware.hex")))

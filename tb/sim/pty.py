@@ -135,13 +135,13 @@ def parse(arguments=None):
 
 
 def run(options, build=controller.build):
-    """Power up what ``build()`` returns and serve it until Ctrl-C.
+    """Power up what ``build(say)`` returns and serve it until Ctrl-C.
 
     Raises :exc:`ValueError` for a plant it does not take, :exc:`OSError` for a file that cannot be written.
     """
     if options.vcd:
         open(options.vcd, "w").close()                       # before minutes of building, if it cannot be written
-    design = build()
+    design = build(lambda sentence: print(sentence, file=sys.stderr, flush=True))
     stop = []
     with contextlib.ExitStack() as resources:
         sim = resources.enter_context(design.power_up(plant_overrides=options.plant, baud=options.baud))

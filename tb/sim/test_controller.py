@@ -5,7 +5,8 @@ import subprocess
 
 import pytest
 
-from tb.sim import controller
+from tb.sim import build, controller, simulator
+from tb.sim.test_simulator import FIXTURE
 
 SOURCE = """
 .section .boot, "ax"
@@ -56,3 +57,21 @@ def test_a_part_that_runs_over_the_end_is_refused():
 def test_only_the_right_kind_of_file_is_read():
     with pytest.raises(ValueError, match="ELF"):
         list(controller.load_segments(b"\x7fELF\x02\x01" + bytes(100)))
+
+
+def test_what_is_up_to_date_is_not_said_to_be_built(monkeypatch):
+    said = []
+    monkeypatch.setattr(controller, "is_built", lambda verilog: True)
+    controller.build()
+    controller.build(said.append)
+    assert said == []
+    monkeypatch.setattr(controller, "is_built", lambda verilog: False)
+    controller.build(said.append)
+    assert said == ["building the simulator of this gateware, which takes minutes"]
+
+
+def test_a_simulator_is_known_to_be_built_once_it_is(tmp_path):
+    build.build_model(FIXTURE)
+    assert simulator.is_built(FIXTURE)
+    (tmp_path / "other.v").write_text(FIXTURE.read_text() + "// another")
+    assert not simulator.is_built(tmp_path / "other.v")

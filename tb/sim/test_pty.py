@@ -104,7 +104,7 @@ def test_a_plant_that_the_board_does_not_take_is_said(capsys):
     class Design:
         def power_up(self, **arguments):
             return Simulator(verilog=FIXTURE, **arguments)
-    assert main(["--plant", "counts_per_mm=0"], build=Design) == 2
+    assert main(["--plant", "counts_per_mm=0"], build=lambda say: Design()) == 2
     assert "could not run: " in capsys.readouterr().err
 
 
