@@ -91,10 +91,12 @@ def find_lines(count: Count, sync, capture_end_ps: int) -> list[Line]:
     return lines
 
 
-def find_references(lines: list[Line], count: Count, divide: Divide, latency_ps: tuple[int, int | None]):
+def find_references(lines: list[Line], count: Count, divide: Divide, latency_ps: tuple[int, int | None],
+                    earlier: int = 0):
     """Settle how late the pulses of each line may be, and find SYNC's own edge.
 
     ``latency_ps`` is the least and greatest latency; None for the greatest takes it from the line's speed.
+    ``earlier`` takes the edge so many before the last one.
     """
     for line in lines:
         least_ps, greatest_ps = latency_ps
@@ -110,8 +112,8 @@ def find_references(lines: list[Line], count: Count, divide: Divide, latency_ps:
         if line.direction == 0:                              # a line without motion: the way it came
             line.direction = int(count.steps[last - 1]) if last else 1
         candidates = np.flatnonzero(count.steps[first:last] == line.direction)
-        if candidates.size:
-            edge = int(first + candidates[-1])
+        if candidates.size > earlier:
+            edge = int(first + candidates[-1 - earlier])
             line.reference_ps = int(count.times_ps[edge])
             line.start_counts = line.end_counts = int(count.counts[edge])
 

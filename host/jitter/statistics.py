@@ -12,6 +12,7 @@ from .count import Count, decode
 from .divide import Divide
 from .pairing import Line, find_lines, find_references, pair
 
+EARLIER_EDGES = 8                                            # looked through for SYNC's own
 PHASE_BINS = 10
 PHASE_BIN_PERCENT = (5.0, 15.0)
 
@@ -128,8 +129,7 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
         raise CaptureError(idle)
     if divide is None:
         divide, source = _divide_from_data(count, lines, pulses), "median of the counts from pulse to pulse"
-    find_references(lines, count, divide, settings.latency_ps)
-    outside = pair(lines, count, pulses, divide, settings.pixels, settings.serpentine)
+    lines, outside, earlier = _pair(capture, count, traces[sync], pulses, divide, settings)
     grid = _find_grid(settings.clock_ps, capture.resolution_ps(), traces[sync], pulses)
     widths = _widths(pulses)
     figures = Figures(settings, divide, source, count, lines, len(pulses.rising_ps()), grid, outside, widths,
@@ -137,6 +137,8 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
     figures.notes += capture.notes
     if settings.divide is None:
         figures.notes.append(f"N = {divide.whole} is taken from the data; one with a fraction must be given")
+    if earlier:
+        figures.notes.append(f"SYNC is taken to be {earlier + 1} edges late: with a nearer edge pulses come too early")
     if capture.cut_short:
         figures.notes.append("the last line of the file is not complete and was left out")
     _find_moved(figures)
@@ -148,6 +150,28 @@ def measure(capture: Capture, a: str, b: str, sync: str, pixel: str, settings: S
         _doubt_divide(figures, pulses)
         _say(figures)
     return figures
+
+
+def _pair(capture, count, sync, pulses, divide, settings):
+    """Lines with their pixels, the pulses outside, and how many edges before the last one SYNC's own is taken.
+
+    SYNC's own edge is the last one, unless no greatest latency is given, the latency is not constant, and an earlier
+    edge leaves at most half as many pixels and pulses without each other: a program may take longer than an edge.
+    """
+    limit = settings.clock_ps + 2 * capture.resolution_ps()
+    best = None
+    for earlier in range(1 + (EARLIER_EDGES if settings.latency_ps[1] is None else 0)):
+        lines = find_lines(count, sync, capture.end_ps)
+        find_references(lines, count, divide, settings.latency_ps, earlier)
+        outside = pair(lines, count, pulses, divide, settings.pixels, settings.serpentine)
+        wrong = len(outside) + sum(len(line.missed) + len(line.extra_ps) for line in lines)
+        if best is None or 2 * wrong <= best[0]:
+            best = wrong, lines, outside, earlier
+        latency = np.concatenate([line.latency_ps for line in lines] or [np.empty(0)])
+        constant = latency.size and 2 * _held(latency, limit)[0].max() >= len(latency)
+        if not best[0] or constant or any(line.reference_ps is None for line in lines):
+            break
+    return best[1:]
 
 
 def _idle_axis(count, lines, pulses, a, b):
@@ -245,8 +269,7 @@ def _find_moved(figures):
     if not len(k):
         return
     latency = pulse - edge
-    ordered = np.sort(latency)
-    held = np.searchsorted(ordered, ordered + limit, side="right") - np.arange(len(ordered))
+    held, ordered = _held(latency, limit)
     low = ordered[np.argmax(held)]
     high = ordered[np.argmax(held) + held.max() - 1]
     varies = bool(figures.latency_ps().size) and np.ptp(figures.latency_ps()) > limit
@@ -269,6 +292,12 @@ def _find_moved(figures):
     for i in np.flatnonzero(wrong).tolist():
         figures.moved.append({"line": int(number[i]), "k": int(k[i]), "at_ps": int(pulse[i]),
                               "latency_ns": float(latency[i]) / 1000, "by_clocks": round(float(by[i]), 2)})
+
+
+def _held(latency, limit):
+    """How many latencies lie from each one to ``limit`` above it, in rising order; and that order."""
+    ordered = np.sort(latency)
+    return np.searchsorted(ordered, ordered + limit, side="right") - np.arange(len(ordered)), ordered
 
 
 def _all_pulses(lines):

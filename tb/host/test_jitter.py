@@ -235,10 +235,10 @@ def test_sync_without_an_encoder_edge(tmp_path):
     assert "--latency-max-ns" in figures["findings"][0]
 
 
-def by_software(n=24, pixels=PIXELS, seed=3):
+def by_software(n=24, pixels=PIXELS, seed=3, mean_ps=8_300_000):
     """A line whose SYNC and pulses a program makes, 3 to 9 us after their edges, on a 10 ns analyser."""
     random_ = random.Random(seed)
-    scope = line(n=n, pixels=pixels, mean_ps=8_300_000)
+    scope = line(n=n, pixels=pixels, mean_ps=mean_ps)
     scope.edges = [(time_ps // 10_000 * 10_000, step) for time_ps, step in scope.edges]
     for rise_fall, late_ps in [(scope.sync[0], 4_000_000)] + [(pulse, None) for pulse in scope.pulses]:
         late_ps = random_.randint(300, 900) * 10_000 if late_ps is None else late_ps
@@ -260,6 +260,15 @@ def test_pulses_made_by_software_are_measured_without_options(tmp_path, capsys, 
     text = capsys.readouterr().out
     assert "1 finding\n" in text and "in 1 line," in text
     assert "None" not in text and "clocks" not in text and " 0 to 1" not in text
+
+
+def test_software_slower_than_an_edge_is_measured_without_options(tmp_path):
+    """At 6.8 mm/s an edge comes every 3.2 us, so the last one before SYNC is not SYNC's own."""
+    scope = by_software(mean_ps=3_200_000)
+    figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, "--pixels", PIXELS, expect=1)
+    assert (figures["missed"], figures["extra"], figures["moved"]) == (0, 0, 0)
+    assert figures["start_counts"] == BEFORE and 3900 < figures["sync_latency_ns"]["min"] < 4200
+    assert figures["latency_ns"]["min"] > 2900
 
 
 def test_a_pulse_missing_among_those_made_by_software_is_named(tmp_path):
