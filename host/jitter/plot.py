@@ -205,8 +205,9 @@ def _latency(axes, figures):
     axes.legend(loc="upper right")
     axes.set_xlabel("encoder edge to its pulse, ns")
     axes.set_ylabel("pulses")
-    clocks = "" if figures.latency_clocks is None else f"{figures.latency_clocks} clocks after the sampling clock"
-    axes.set_title(f"Latency of every pulse: {clocks}")
+    known = figures.latency_clocks is not None and figures.grid.phase_ps is not None
+    clocks = f": {figures.latency_clocks} clocks after the sampling clock" if known else ""
+    axes.set_title(f"Latency of every pulse{clocks}")
 
 
 def _phases(axes, figures):
