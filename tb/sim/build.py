@@ -50,12 +50,21 @@ def split_vectors(source, directory):
     return result
 
 
+def model_directory(verilog):
+    """Where the Verilated model of a Verilog file is, or will be: named by all that goes into it."""
+    version = toolchain.run(["verilator", "--version"])
+    return toolchain.BUILD / "sim" / toolchain.content_key(version, Path(__file__), Path(verilog))
+
+
+def is_built(verilog):
+    """Whether the model of a Verilog file is there, so that a simulator of it needs no minutes of building."""
+    return (model_directory(verilog) / "done").exists()
+
+
 def build_model(verilog):
     """Directory of the Verilated model of a Verilog file: headers and archives."""
     verilog = Path(verilog).resolve(strict=True)
-    version = toolchain.run(["verilator", "--version"])
-    key = toolchain.content_key(version, Path(__file__), verilog)
-    directory = toolchain.BUILD / "sim" / key
+    directory = model_directory(verilog)
     with cached(directory) as empty:
         if empty:
             toolchain.run(["verilator", *VERILATOR_FLAGS, "--Mdir", directory, split_vectors(verilog, directory)],

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from tb import toolchain
 from tb.board.library import cached, exclusive
-from tb.sim.simulator import Simulator, is_built
+from tb.sim.build import is_built
+from tb.sim.simulator import Simulator
 
 FIRMWARE = toolchain.BUILD / "firmware" / "abbe.elf"
 

@@ -71,16 +71,6 @@ def declare(library):
     return library
 
 
-def is_built(verilog):
-    """Whether the model of a Verilog file is there, so that a :class:`Simulator` of it needs no minutes of building.
-
-    The key is that of :func:`tb.sim.build.build_model`.
-    """
-    version = toolchain.run(["verilator", "--version"])
-    key = toolchain.content_key(version, Path(build.__file__), Path(verilog))
-    return (toolchain.BUILD / "sim" / key / "done").exists()
-
-
 class Timeout(Exception):
     """What was waited for did not happen in the simulated time allowed."""
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from tb.sim import build, controller, simulator
+from tb.sim import build, controller
 from tb.sim.test_simulator import FIXTURE
 
 SOURCE = """
@@ -72,6 +72,6 @@ def test_what_is_up_to_date_is_not_said_to_be_built(monkeypatch):
 
 def test_a_simulator_is_known_to_be_built_once_it_is(tmp_path):
     build.build_model(FIXTURE)
-    assert simulator.is_built(FIXTURE)
+    assert build.is_built(FIXTURE)
     (tmp_path / "other.v").write_text(FIXTURE.read_text() + "// another")
-    assert not simulator.is_built(tmp_path / "other.v")
+    assert not build.is_built(tmp_path / "other.v")
