@@ -25,7 +25,8 @@ def simulate(request):
     Emits Verilog (top ``dut``), builds it with Verilator once per content under ``build/cocotb``, and runs the
     ``@cocotb.test`` coroutines of the calling file, or those whose name matches the regular expression
     ``tests``.  ``env`` reaches the coroutines through ``os.environ``.  ``random_delay`` gives every
-    synchroniser a random extra clock.  Fails if any coroutine fails or none ran.
+    synchroniser a random extra clock.  Random numbers are the same at every run, others with ``SEED`` set in
+    the environment; each test prints its own.  Fails if any coroutine fails or none ran.
     """
     def run(component, *, ports=None, random_delay=False, tests=None, env=None):
         from cocotb_tools.runner import get_runner
@@ -46,7 +47,7 @@ def simulate(request):
         module = Path(inspect.getfile(request.module))
         sys.path.insert(0, str(module.parent))
         results = build / f"{request.node.name}-{os.getpid()}.xml".replace("/", "-")
-        runner.test(hdl_toplevel="dut", test_module=module.stem, build_dir=build, test_dir=build,
+        runner.test(hdl_toplevel="dut", test_module=module.stem, build_dir=build, test_dir=build, seed=os.environ.get("SEED", "1"),
                     hdl_toplevel_lang="verilog", results_xml=str(results), timescale=("1ps", "1ps"),
                     extra_env={"COCOTB_RESOLVE_X": "ZEROS", **(env or {})}, test_filter=tests)
         cases = list(ElementTree.parse(results).iter("testcase"))
