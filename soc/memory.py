@@ -134,6 +134,7 @@ class OnChipMemory(wiring.Component):
             swap = (region.address // (region.size // 2) & 1) << (width - 1)
             m.submodules[region.name] = Instance(
                 "abbe_memory", p_WORDS=region.size // 4, p_ADDRESS_WIDTH=width, p_FILE=region.plusarg + "=%s",
+                p_CONTENTS=region.name + ".hex",
                 i_clk=ClockSignal("sync"),
                 i_a_enable=getattr(a, f"{region.name}_enable"), i_a_address=a.address[:width] ^ swap,
                 o_a_data=getattr(a, f"{region.name}_data"),

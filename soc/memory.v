@@ -6,11 +6,13 @@
 // double the block RAM.)
 //
 // In simulation the words are loaded at time 0 from the hexadecimal file named by the plusarg FILE (a format such
-// as "firmware=%s"); words not in the file are 0.  Synthesis sees block RAM.
+// as "firmware=%s"); words not in the file are 0.  Synthesis sees block RAM; with the macro INITIALISED, its contents
+// are those of the hexadecimal file CONTENTS, found where the tool runs.
 module abbe_memory #(
   parameter WORDS = 2048,
   parameter ADDRESS_WIDTH = 11,
-  parameter FILE = "boot=%s"
+  parameter FILE = "boot=%s",
+  parameter CONTENTS = "boot.hex"
 ) (
   input clk,
   input a_enable,
@@ -43,5 +45,7 @@ module abbe_memory #(
     for (i = 0; i < WORDS; i = i + 1) words[i] = 0;
     if ($value$plusargs(FILE, name)) $readmemh(name, words);
   end
+`elsif INITIALISED
+  initial $readmemh(CONTENTS, words);
 `endif
 endmodule

@@ -90,6 +90,8 @@ class Abbe(wiring.Component):
     ----------
     build_id : int
         Readable in the identity block; see :func:`soc.verilog.build_id`.
+    regions : sequence of Region
+        Memory; a board may have less than :data:`REGIONS`, for which firmware is linked.
 
     Members: pins, all active high.  Inputs are asynchronous, outputs come from flip-flops.
     -------
@@ -115,7 +117,8 @@ class Abbe(wiring.Component):
         Simulation only.
     """
 
-    def __init__(self, *, build_id=0):
+    def __init__(self, *, build_id=0, regions=REGIONS):
+        self._regions = regions
         arguments = {"identity": {"clock_hz": CLOCK_HZ, "fast_clock_hz": FAST_CLOCK_HZ, "build_id": build_id},
                      "bus": {"signature": BUS}}
         self._parts = {}
@@ -149,8 +152,8 @@ class Abbe(wiring.Component):
         return m
 
     def _connect_processor(self, m):
-        m.submodules.cpu = cpu = Cpu(reset_vector=REGIONS[0].address)
-        m.submodules.memory = memory = OnChipMemory(REGIONS, addr_width=MEMORY_ADDRESS_BITS)
+        m.submodules.cpu = cpu = Cpu(reset_vector=self._regions[0].address)
+        m.submodules.memory = memory = OnChipMemory(self._regions, addr_width=MEMORY_ADDRESS_BITS)
         m.submodules.registers = self._decoder
         m.submodules.bridge = bridge = RegisterBridge(self._decoder.bus)
         connect(m, bridge.csr, self._decoder.bus)
