@@ -53,6 +53,9 @@ test-slow: $(READY) ## What the ordinary suite has no time for: every scan at fu
 test-host: $(READY) ## The analyser and the demo's own checks, on recordings with faults in them
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/host
 
+test-transcripts: $(READY) ## What hosts say and must be told [PORT=device|pty|host:port FILES=... ARGS=--help]
+	@$(PYTHON) -m tb.transcripts $(if $(PORT),--port $(PORT)) $(ARGS) $(FILES)
+
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
 
@@ -73,4 +76,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host formal lint gen firmware clean distclean
+.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts formal lint gen firmware clean distclean

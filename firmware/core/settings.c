@@ -16,17 +16,24 @@ void settings_init(const struct settings_store *use)
     store = use;
 }
 
-/* 32-bit FNV-1a (Fowler, Noll, Vo) of "COMMAND.L", L being the letter or the axis letter. */
-uint32_t settings_key(const struct parameter *parameter, unsigned axis)
+/* 32-bit FNV-1a (Fowler, Noll, Vo) of "NAME.L". */
+uint32_t settings_key_of(const char *name, char letter)
 {
     uint32_t hash = 2166136261u;
-    char letter = parameter->letter == PARAMETER_AXES ? axis_letter(axis) : parameter->letter;
 
-    for (const char *name = parameter->command; *name != '\0'; name++)
+    for (; *name != '\0'; name++)
         hash = (hash ^ (uint8_t)*name) * 16777619u;
     hash = (hash ^ (uint8_t)'.') * 16777619u;
     hash = (hash ^ (uint8_t)letter) * 16777619u;
     return hash != KEY_FACTORY ? hash : 1;
+}
+
+/* By the hardware channel, not by the letter of the day (Z2B). */
+uint32_t settings_key(const struct parameter *parameter, unsigned axis)
+{
+    return settings_key_of(parameter->command, parameter->letter == PARAMETER_AXES
+                                                   ? AXIS_LETTERS[axis]
+                                                   : parameter->letter);
 }
 
 /* Calls `each` for every value of every parameter; stops at the first false. */
@@ -43,9 +50,9 @@ static bool for_each(bool (*each)(const struct parameter *row, unsigned axis))
     return true;
 }
 
-static bool is_kept(const struct parameter *row)
+static bool is_kept(const struct parameter *row, enum parameter_saved class)
 {
-    return row->saved != SAVED_NEVER && row->value != NULL && !row->read_only;
+    return row->saved == class && row->value != NULL && !row->read_only;
 }
 
 static bool set_initial(const struct parameter *row, unsigned axis)
@@ -55,20 +62,33 @@ static bool set_initial(const struct parameter *row, unsigned axis)
     return true;
 }
 
-static bool set_saved(const struct parameter *row, unsigned axis)
+/* A value that may not be set now was kept by a firmware with other rows. */
+static void load(const struct parameter *row, unsigned axis)
 {
     double value;
 
-    /* A value out of the row's range was saved by a firmware with another range. */
-    if (is_kept(row) && store->read(settings_key(row, axis), &value) && value >= row->minimum &&
-        value <= row->maximum)
+    if (store->read(settings_key(row, axis), &value) && value >= row->minimum &&
+        value <= row->maximum && (row->check == NULL || row->check(axis, value) == STATUS_OK))
         parameter_store(row, axis, value);
+}
+
+static bool load_saved(const struct parameter *row, unsigned axis)
+{
+    if (is_kept(row, SAVED_BY_SS))
+        load(row, axis);
+    return true;
+}
+
+static bool load_kept_at_once(const struct parameter *row, unsigned axis)
+{
+    if (is_kept(row, SAVED_AT_ONCE))
+        load(row, axis);
     return true;
 }
 
 static bool save(const struct parameter *row, unsigned axis)
 {
-    return !is_kept(row) || store->write(settings_key(row, axis), row->value[axis]);
+    return !is_kept(row, SAVED_BY_SS) || store->write(settings_key(row, axis), row->value[axis]);
 }
 
 void settings_load(void)
@@ -77,26 +97,38 @@ void settings_load(void)
 
     (void)for_each(set_initial);
     if (!store->read(KEY_FACTORY, &factory) || factory == 0)
-        (void)for_each(set_saved);
+        (void)for_each(load_saved);
+    (void)for_each(load_kept_at_once);
 }
 
 void settings_keep(const struct parameter *parameter, unsigned axis)
 {
-    (void)save(parameter, axis);
+    if (is_kept(parameter, SAVED_AT_ONCE))
+        (void)settings_write(settings_key(parameter, axis), parameter->value[axis]);
 }
 
 bool settings_save(void)
 {
-    return for_each(save) && store->write(KEY_FACTORY, 0);
+    return for_each(save) && settings_write(KEY_FACTORY, 0);
 }
 
-void settings_restore(void)
+bool settings_restore(void)
 {
-    (void)store->write(KEY_FACTORY, 0);
-    (void)for_each(set_saved);
+    (void)for_each(load_saved);
+    return settings_write(KEY_FACTORY, 0);
 }
 
-void settings_factory_next(void)
+bool settings_factory_next(void)
 {
-    (void)store->write(KEY_FACTORY, 1);
+    return settings_write(KEY_FACTORY, 1);
+}
+
+bool settings_read(uint32_t key, double *value)
+{
+    return store->read(key, value) && *value == *value;
+}
+
+bool settings_write(uint32_t key, double value)
+{
+    return store->write(key, value) && store->commit();
 }

@@ -3,8 +3,12 @@
  * Settings: the values of all parameter rows, and where they are kept.
  *
  * Each value is kept under a key made of its command, letter and axis, so that a store survives a
- * firmware with other rows. SS Z keeps all but the class SAVED_NEVER. The back end here is RAM: it
- * outlives a software reset of the parameters, not the power.
+ * firmware with other rows. SS Z keeps the class SAVED_BY_SS, and from then on they are the values
+ * at a start. SS X lets the next starts use initial values instead, what is kept being left alone;
+ * SS Y takes that back and loads what is kept; an SS Z keeps anew. The class SAVED_AT_ONCE is kept
+ * whenever it is set, is loaded at every start, and SS has nothing to do with it.
+ *
+ * The back end here is RAM: it outlives a software reset, not the power.
  */
 #ifndef CORE_SETTINGS_H
 #define CORE_SETTINGS_H
@@ -14,32 +18,42 @@
 
 struct parameter;
 
-enum { SETTINGS_MAX = 192 }; /* values the RAM back end keeps */
+enum { SETTINGS_MAX = 320 }; /* values the RAM back end keeps */
 
 /** Where settings are kept. Keys are unique; `write` replaces. */
 struct settings_store {
     bool (*read)(uint32_t key, double *value); /* false: no such key */
     bool (*write)(uint32_t key, double value); /* false: full */
+    bool (*commit)(void);                      /* all writes so far, together; false: not kept */
 };
 
 extern const struct settings_store settings_ram;
 
-/** Choose the store; before settings_load. */
+/** The n-th value in RAM; false: there are fewer. For back ends that keep an image of it. */
+bool settings_ram_entry(unsigned n, uint32_t *key, double *value);
+
+/** Choose the store; before settings_load. Without it, settings_ram. */
 void settings_init(const struct settings_store *store);
 
 /** Keep one value now: parameters of class SAVED_AT_ONCE, called by the dispatcher. */
 void settings_keep(const struct parameter *parameter, unsigned axis);
 
-/** Give every parameter its initial value, then what is saved. Start-up and RESET. */
+/** Give every parameter its initial value, then what is kept. Start-up and RESET. */
 void settings_load(void);
-/** SS Z. False: the store is full. */
+/** SS Z. False: the store is full or failed. */
 bool settings_save(void);
-/** SS Y: the saved values now, and again at the next start after an SS X. */
-void settings_restore(void);
-/** SS X: factory values at the next start. */
-void settings_factory_next(void);
+/** SS Y: the kept values now, and again at the next start after an SS X. */
+bool settings_restore(void);
+/** SS X: initial values at the next start. */
+bool settings_factory_next(void);
 
 /** Key of one value of a parameter. */
 uint32_t settings_key(const struct parameter *parameter, unsigned axis);
+/** Key of something that is no parameter: of "NAME.L". */
+uint32_t settings_key_of(const char *name, char letter);
+
+/** Read, keep or forget (NAN) a value that is no parameter; kept at once. */
+bool settings_read(uint32_t key, double *value);
+bool settings_write(uint32_t key, double value);
 
 #endif

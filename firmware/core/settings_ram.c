@@ -44,4 +44,18 @@ static bool ram_write(uint32_t key, double value)
     return true;
 }
 
-const struct settings_store settings_ram = {ram_read, ram_write};
+static bool ram_commit(void)
+{
+    return true;
+}
+
+bool settings_ram_entry(unsigned n, uint32_t *key, double *value)
+{
+    if (n >= used)
+        return false;
+    *key = entries[n].key;
+    *value = entries[n].value;
+    return true;
+}
+
+const struct settings_store settings_ram = {ram_read, ram_write, ram_commit};

@@ -65,7 +65,6 @@ bool application_init(void)
         serial_say("Abbe: too many event hooks, not started\r\n");
         return false;
     }
-    settings_init(&settings_ram);
     serial_init(identity_clock_rate_hz(), APPLICATION_BITS_PER_S);
     console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
     start();

@@ -2,27 +2,38 @@
 #include "modules/settings.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "core/settings.h"
 
-/* The letter says what to do, so exactly one is wanted; with more the line is refused. */
+static bool act(char letter)
+{
+    switch (letter) {
+    case 'X':
+        return settings_factory_next();
+    case 'Y':
+        return settings_restore();
+    default:
+        return settings_save();
+    }
+}
+
+/*
+ * The letter says what to do, so exactly one is wanted; with more the line is refused. The colon
+ * leaves at once, the A when it is done; a failure then reads :N-5.
+ */
 static enum status saveset(const struct request *request, struct reply *reply)
 {
-    (void)reply;
-    if (request->count != 1)
+    const char letter = request->arguments[0].letter;
+
+    if (request->count != 1 || strchr("XYZ", letter) == NULL)
         return STATUS_RANGE;
-    switch (request->arguments[0].letter) {
-    case 'X':
-        settings_factory_next();
-        return STATUS_OK;
-    case 'Y':
-        settings_restore();
-        return STATUS_OK;
-    case 'Z':
-        return settings_save() ? STATUS_OK : STATUS_FAILED;
-    default:
-        return STATUS_RANGE;
+    if (reply->step++ == 0) {
+        reply_char(reply, ':');
+        return STATUS_PENDING;
     }
+    reply_text(reply, act(letter) ? "A " : "N-5");
+    return STATUS_OK;
 }
 
 static const struct command commands[] = {

@@ -114,7 +114,7 @@ void closed_loop_start(const struct closed_loop_change *changes)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
     limits_open();
-    settings_factory_next();
+    (void)settings_factory_next();
     port_start(firmware_modules);
     closed_loop_run(2 * AXIS_REST_TICKS);
 }

@@ -194,7 +194,7 @@ TEST(restores_saved_settings_without_a_restart)
     port_send("G X=21");
     CHECK(settings_save());
     port_send("G X=22");
-    settings_restore();
+    CHECK(settings_restore());
     CHECK_TEXT(port_send("G X?"), ":X=21 A\r\n");
 }
 
@@ -203,11 +203,11 @@ TEST(factory_values_come_at_the_next_start_until_restored)
     start();
     port_send("G X=31");
     CHECK(settings_save());
-    settings_factory_next();
+    CHECK(settings_factory_next());
     CHECK_TEXT(port_send("G X?"), ":X=31 A\r\n");
     start();
     CHECK_TEXT(port_send("G X?"), ":X=50 A\r\n");
-    settings_restore();
+    CHECK(settings_restore());
     CHECK_TEXT(port_send("G X?"), ":X=31 A\r\n");
     start();
     CHECK_TEXT(port_send("G X?"), ":X=31 A\r\n");
@@ -236,9 +236,14 @@ static bool write_full(uint32_t key, double value)
     return false;
 }
 
+static bool commit_not(void)
+{
+    return false;
+}
+
 TEST(ignores_saved_values_that_are_out_of_range_and_reports_a_full_store)
 {
-    static const struct settings_store broken = {read_wrong, write_full};
+    static const struct settings_store broken = {read_wrong, write_full, commit_not};
 
     settings_init(&broken);
     memory = 1e12;
