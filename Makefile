@@ -59,13 +59,17 @@ test-transcripts: $(READY) ## What hosts say and must be told [PORT=device|pty|h
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
 
-lint: $(READY) ## Generated pages are up to date
+lint: $(READY) ## Generated pages are up to date; the pins of every board keep their rules
 	@$(PYTHON) -m soc.generate --check
+	@$(PYTHON) -m soc.pins --check
 
 # --- products -----------------------------------------------------------------------------------------------
 
 gen: $(READY) ## Registers: C header, linker memory, docs/registers.md
 	@$(PYTHON) -m soc.generate
+
+pins: $(READY) ## Pins of every board: checked, and docs/boards/*-pins.* drawn from constraints/*.lpf
+	@$(PYTHON) -m soc.pins
 
 firmware: gen ## The firmware image for the soft core
 	@$(MAKE) --no-print-directory -C firmware
@@ -76,4 +80,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts formal lint gen firmware clean distclean
+.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts formal lint gen pins firmware clean distclean

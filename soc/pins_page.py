@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The pins of a board as a page and a drawing, rendered from its constraint file; no dates, stable order."""
+
+from html import escape
+
+from soc.pins import package
+
+__all__ = ["files", "render_drawing", "render_page"]
+
+COLOURS = {"encoder": "#3b6fb6", "limit": "#d98324", "motor": "#b8322c", "stop": "#6d0f0f", "ttl": "#2f8f4e",
+           "dac": "#7b4fa3", "panel": "#1f8a8a", "adc": "#8a6a3a", "serial": "#5c6670"}
+"""Of the groups that come to a header."""
+OTHER_COLOUR, SUPPLY_COLOUR, GROUND_COLOUR = "#999999", "#ffffff", "#222222"
+
+PITCH = 26
+COLUMN = 90, 690
+"""Left edges of the drawings of two headers, with room for names on both sides."""
+SIDE, NAME_WIDTH = 22, 190
+
+
+def arrow(direction, left):
+    """Toward the pin: into the FPGA.  ``left``: the name stands left of its pin."""
+    return {"in": "→" if left else "←", "out": "←" if left else "→", "inout": "↔", "analog": "~"}[direction]
+
+
+class Entries:
+    """What is at each place: (name, direction, group, reserved, what)."""
+
+    def __init__(self, constraints):
+        self.by_place = {pin.place: (pin.name, pin.direction, pin.group, pin.reserved, pin.what)
+                         for pin in constraints.pins}
+        for analog in constraints.analog:
+            name = analog.what.partition(",")[0]
+            self.by_place[analog.place] = name, "analog", analog.group, False, analog.what
+
+    def get(self, place):
+        return self.by_place.get(place)
+
+
+def render_page(constraints, board_file):
+    """The page: the drawing, each header row by row, then every pin by group."""
+    names = ", ".join(f"`{board.name}`" for board in board_file.boards)
+    reference = board_file.boards[0]
+    balls = package(reference.device, reference.package)
+    facts = board_file.facts
+    numbers = {}
+    lines = [f"# Pins of {board_file.name}", "",
+             f"Generated from `constraints/{board_file.name}.lpf` by `python -m soc.pins`; `make lint` fails if stale. "
+             f"For {names}. Directions are as the FPGA sees them; *italic* is allotted for later.", ""]
+    if facts and facts.headers:
+        entries = Entries(constraints)
+        lines += [f"![The headers from above]({board_file.name}-pins.svg)", ""]
+        for header, rows in facts.headers.items():
+            lines += [f"## {header}, from above, USB sockets at the top", "",
+                      "| signal | place | pin | pin | place | signal |", "|---:|---:|---:|:---|:---|:---|"]
+            for (left, left_place), (right, right_place) in rows:
+                numbers |= {left_place: f"{header}-{left}", right_place: f"{header}-{right}"}
+                lines.append(f"| {signal(entries.get(left_place))} | {left_place} | {left} | {right} | {right_place} | "
+                             f"{signal(entries.get(right_place))} |")
+            lines.append("")
+    for group, title in constraints.groups.items():
+        lines += [f"## {title}", "", "| port | place | header pin | ball | bank | direction | undriven | what |",
+                  "|---|---|---|---|---|---|---|---|"]
+        for pin in (p for p in constraints.pins if p.group == group):
+            name = f"*{pin.name}*" if pin.reserved else f"`{pin.name}`"
+            lines.append(f"| {name} | {pin.place} | {numbers.get(pin.place, '')} | {pin.ball} | {balls[pin.ball].bank} | "
+                         f"{pin.direction} | {pin.settings['PULLMODE'].lower()} | {pin.what} |")
+        for analog in (a for a in constraints.analog if a.group == group):
+            lines.append(f"| | {analog.place} | {numbers.get(analog.place, '')} | | | analog | | {analog.what} |")
+        lines.append("")
+    return "\n".join(lines[:-1]) + "\n"
+
+
+def signal(entry):
+    if not entry:
+        return ""
+    name, _direction, _group, reserved, _what = entry
+    return f"*{name}*" if reserved else name
+
+
+def render_drawing(constraints, facts):
+    """The headers from above as SVG, each pin in the colour of its group."""
+    entries = Entries(constraints)
+    rows = max(len(rows) for rows in facts.headers.values())
+    top, used = 60, [g for g in constraints.groups if any(e[2] == g for p, e in entries.by_place.items()
+                                                          if p in on_headers(facts))]
+    legend = top + rows * PITCH + 30
+    width, height = 1080, legend + 30 * -(-len(used) // 3) + 40
+    out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
+           'font-family="sans-serif" font-size="13">',
+           f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
+    for x0, (header, header_rows) in zip(COLUMN, facts.headers.items()):
+        x0 += NAME_WIDTH - COLUMN[0]
+        out.append(text(x0 + SIDE + 2, top - 26, header, anchor="middle", weight="bold", size=16))
+        for row, pins in enumerate(header_rows):
+            y = top + row * PITCH
+            for left, (number, place) in zip((True, False), pins):
+                x = x0 + (0 if left else SIDE + 4)
+                out += pin_drawing(x, y, number, place, entries.get(place), left)
+    out.append(text(width / 2 - 40, top - 40, "USB sockets at the top; seen from above", anchor="middle", size=12))
+    for i, group in enumerate(used):
+        x, y = 60 + 340 * (i % 3), legend + 30 * (i // 3)
+        out.append(f'<rect x="{x}" y="{y - 12}" width="16" height="16" fill="{COLOURS.get(group, OTHER_COLOUR)}"/>')
+        title = constraints.groups[group].partition(":")[0]
+        out.append(text(x + 24, y + 1, title, size=13))
+    out.append(text(60, height - 16, "Arrow toward the pin: into the FPGA; ~ to the ADC.  Pale and italic: allotted for later.", size=12))
+    return "\n".join([*out, "</svg>"]) + "\n"
+
+
+def on_headers(facts):
+    return {place for rows in facts.headers.values() for row in rows for _number, place in row}
+
+
+def pin_drawing(x, y, number, place, entry, left):
+    """One square with its number, its place outside, and its signal farther outside."""
+    dark = place == "GND"
+    fill, opacity = GROUND_COLOUR if dark else SUPPLY_COLOUR, 1
+    if entry:
+        fill, opacity = COLOURS.get(entry[2], OTHER_COLOUR), 0.35 if entry[3] else 1
+        dark = not entry[3]
+    out = [f'<rect x="{x}" y="{y}" width="{SIDE}" height="{SIDE}" fill="{fill}" fill-opacity="{opacity}" '
+           'stroke="#222222"/>',
+           text(x + SIDE / 2, y + SIDE / 2 + 4, str(number), anchor="middle", size=10,
+                colour="#ffffff" if dark else "#222222")]
+    edge, step, anchor = (x - 6, -1, "end") if left else (x + SIDE + 6, 1, "start")
+    out.append(text(edge, y + SIDE / 2 + 4, place, anchor=anchor, size=11, colour="#555555"))
+    if entry:
+        label = arrow(entry[1], left)
+        name = f"{entry[0]} {label}" if left else f"{label} {entry[0]}"
+        out.append(text(edge + step * 36, y + SIDE / 2 + 5, name, anchor=anchor, style="italic" if entry[3] else None))
+    return out
+
+
+def text(x, y, content, *, anchor="start", size=13, weight=None, style=None, colour="#111111"):
+    extra = (f' font-weight="{weight}"' if weight else "") + (f' font-style="{style}"' if style else "")
+    return f'<text x="{x:g}" y="{y:g}" text-anchor="{anchor}" font-size="{size}" fill="{colour}"{extra}>{escape(content)}</text>'
+
+
+def files(constraints, board_file):
+    """``{path below the root: text}`` of what is rendered for a board."""
+    stem = f"docs/boards/{board_file.name}-pins"
+    result = {f"{stem}.md": render_page(constraints, board_file)}
+    if board_file.facts and board_file.facts.headers:
+        result[f"{stem}.svg"] = render_drawing(constraints, board_file.facts)
+    return result
