@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/events.h"
+#include "core/report.h"
 
 /* Stands in the queue for a line that was dropped; no line holds control bytes. */
 static const char lost_line[] = "\x15";
@@ -121,7 +122,8 @@ static void conclude(struct console *console, enum status status, bool first)
     }
     if (status != STATUS_SILENT) {
         reply->text[reply->length++] = '\r';
-        reply->text[reply->length++] = '\n';
+        if (!reply_ends_in_cr)
+            reply->text[reply->length++] = '\n';
     }
 }
 
@@ -156,6 +158,19 @@ static void next_part(struct console *console)
     conclude(console, command_resume(&console->request, reply), false);
 }
 
+/* Unsolicited lines, between replies. True: none is left. */
+static bool send_reports(struct console *console)
+{
+    uint8_t byte;
+    bool any = false;
+
+    while (ring_free(console->transmit) > 0 && report_take(&byte))
+        any |= ring_put(console->transmit, byte);
+    if (any && console->kick != NULL)
+        console->kick();
+    return report_is_empty();
+}
+
 /* True when all of the text has gone into the ring. */
 static bool send(struct console *console)
 {
@@ -173,7 +188,7 @@ static bool send(struct console *console)
 void console_poll(struct console *console)
 {
     take_input(console);
-    if (console->state == CONSOLE_IDLE)
+    if (console->state == CONSOLE_IDLE && send_reports(console))
         next_line(console);
     if (console->state == CONSOLE_IDLE || !send(console))
         return;
@@ -195,5 +210,5 @@ bool console_finish(struct console *console)
 
 bool console_idle(const struct console *console)
 {
-    return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0;
+    return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0 && report_is_empty();
 }

@@ -5,7 +5,8 @@
  * console_poll reads everything that has come in before it does anything else, so HALT acts within
  * one turn of the main loop however many commands or how long a reply wait before it. Lines wait in
  * a queue of CONSOLE_QUEUE bytes and are answered in order, one reply each; a line that no longer
- * fits is dropped and answered :N-6 in its turn. A reply is sent as the transmit ring takes it.
+ * fits is dropped and answered :N-6 in its turn. A reply is sent as the transmit ring takes it;
+ * unsolicited lines (core/report.h) go out between replies.
  */
 #ifndef CORE_CONSOLE_H
 #define CORE_CONSOLE_H
@@ -43,7 +44,7 @@ void console_poll(struct console *console);
  */
 bool console_finish(struct console *console);
 
-/** True when no line waits and no reply is being sent: unsolicited text may go out. */
+/** True when no line waits and nothing is being sent. */
 bool console_idle(const struct console *console);
 
 #endif

@@ -6,6 +6,7 @@
 #include "core/number.h"
 
 double reply_position_decimals = 1;
+bool reply_ends_in_cr;
 
 void reply_clear(struct reply *reply)
 {

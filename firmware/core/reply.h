@@ -43,6 +43,9 @@ struct reply {
 /** Decimals of the positions WHERE prints: `VB Z=`, 255 72 (1) and 255 84 (0). 1 after reset. */
 extern double reply_position_decimals;
 
+/** Lines end in CR alone, without LF: `VB X=`, bit 3. False after reset. */
+extern bool reply_ends_in_cr;
+
 void reply_clear(struct reply *reply);
 
 void reply_char(struct reply *reply, char character);

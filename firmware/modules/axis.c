@@ -173,6 +173,18 @@ static int32_t step(struct axis *a, int32_t position_counts, bool inhibited)
     return duty;
 }
 
+bool axis_sample(unsigned axis, struct axis_sample *sample)
+{
+    const struct axis *a = &axes[axis];
+
+    if (a->profile.plan == NULL && !a->loop.commanded)
+        return false;
+    sample->target_counts = (int32_t)(a->profile.now.position_q32 >> 32);
+    sample->position_counts = a->loop.position_counts;
+    sample->duty_steps = a->loop.duty_steps;
+    return true;
+}
+
 void axis_tick(void)
 {
     uint32_t began = interrupts_cycles();

@@ -92,6 +92,16 @@ uint32_t axis_tick_cycles_max(void);
 /** The axis, all of it as of one tick. */
 void axis_read(unsigned axis, struct axis_view *view);
 
+/** What an axis that moves was told and did at one tick. */
+struct axis_sample {
+    int32_t target_counts;   /* of the set-point, rounded down */
+    int32_t position_counts;
+    int32_t duty_steps;
+};
+
+/** For hooks of EVENT_SERVO_TICK: this tick's sample. False: no motion of the axis in progress. */
+bool axis_sample(unsigned axis, struct axis_sample *sample);
+
 /** Give an axis new loop settings; they are copied, and taken as a whole at a tick. */
 void axis_configure(unsigned axis, const struct loop_config *config);
 

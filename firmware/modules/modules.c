@@ -15,6 +15,7 @@
 #include "modules/status.h"
 #include "modules/ttl.h"
 #include "modules/tuning.h"
+#include "modules/verbose.h"
 
 /* Start-up runs `init` in this order, and each turn of the main loop `poll`. */
 const struct module *const firmware_modules[] = {
@@ -29,6 +30,7 @@ const struct module *const firmware_modules[] = {
     &info_module,
     &identity_module,
     &settings_module,
+    &verbose_module,
     &application_module,
     NULL,
 };

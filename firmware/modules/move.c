@@ -4,10 +4,11 @@
 #include <stddef.h>
 
 #include "core/axis.h"
-#include "hal/snapshot.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
+#include "modules/positions.h"
 #include "modules/tuning.h"
+#include "modules/verbose.h"
 
 /* Commanded over serial: busy, and given up to whoever asks. */
 static const struct motion_owner serial_owner = {
@@ -21,56 +22,82 @@ static bool names_axis(const struct request *request, unsigned axis)
     return request->count == 0 || request_argument(request, axis_letter(axis)) != NULL;
 }
 
-/* The moves of a line, `axes` those it moves. `base` gives the counts that the values are added to,
- * NULL: they are places. */
-static unsigned read_moves(const struct request *request, bool relative, struct motion_move *moves,
-                           unsigned *axes)
+/* What MOVREL moved last. */
+static int32_t relative_counts[AXIS_COUNT];
+
+int32_t move_relative_counts(unsigned axis)
 {
+    return relative_counts[axis];
+}
+
+void move_set_relative_counts(unsigned axis, int32_t counts)
+{
+    relative_counts[axis] = counts;
+}
+
+static struct motion_move move_of(unsigned axis, int32_t target_counts)
+{
+    return (struct motion_move){
+        .axis = axis,
+        .target_counts = target_counts,
+        .speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_mm_per_s(axis)),
+        .ramp_ms = tuning_ramp_ms(axis),
+    };
+}
+
+bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts)
+{
+    struct motion_move moves[AXIS_COUNT];
     unsigned count = 0;
 
-    *axes = 0;
+    if (!motion_claim(axes, owner))
+        return false;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0)
+            moves[count++] = move_of(axis, target_counts[axis]);
+    motion_start(moves, count);
+    return true;
+}
+
+/* The targets of a line; returns the axes that it moves. Relative values are remembered. */
+static unsigned read_targets(const struct request *request, bool relative, int32_t *target_counts)
+{
+    unsigned axes = 0;
+
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct argument *argument = request_argument(request, axis_letter(axis));
-        struct motion_move *move = &moves[count];
 
         if (argument == NULL || argument->kind == ARGUMENT_QUERY)
             continue;
-        move->axis = axis;
-        move->speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_mm_per_s(axis));
-        move->ramp_ms = tuning_ramp_ms(axis);
-        if (relative) {
-            /* Both within +-2^30. */
-            move->target_counts = motion_target_counts(axis) +
-                                  coordinates_distance_to_counts(axis, argument->value);
-        } else {
-            move->target_counts = coordinates_user_to_counts(axis, argument->value);
+        axes |= MOTION_AXIS(axis);
+        if (!relative) {
+            target_counts[axis] = coordinates_user_to_counts(axis, argument->value);
+            continue;
         }
-        *axes |= MOTION_AXIS(axis);
-        count++;
+        relative_counts[axis] = coordinates_distance_to_counts(axis, argument->value);
+        /* Both within +-2^30. */
+        target_counts[axis] = motion_target_counts(axis) + relative_counts[axis];
     }
-    return count;
+    return axes;
 }
 
 static enum status start(const struct request *request, bool relative)
 {
-    struct motion_move moves[AXIS_COUNT];
-    unsigned axes;
-    unsigned count = read_moves(request, relative, moves, &axes);
+    int32_t target_counts[AXIS_COUNT];
+    unsigned axes = read_targets(request, relative, target_counts);
 
-    if (!motion_claim(axes, &serial_owner))
-        return STATUS_FAILED;
-    motion_start(moves, count);
-    return STATUS_OK;
+    return move_to(&serial_owner, axes, target_counts) ? STATUS_OK : STATUS_FAILED;
 }
 
-/* Targets of the axes asked with `?`. */
+/* Targets of the axes asked with `?`; of all that are named when VB says so. */
 static void print_targets(const struct request *request, struct reply *reply)
 {
     reply_open(reply, FORM_P);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const struct argument *argument = request_argument(request, axis_letter(axis));
 
-        if (argument == NULL || argument->kind != ARGUMENT_QUERY)
+        if (argument == NULL ||
+            (argument->kind != ARGUMENT_QUERY && !verbose_prints_targets()))
             continue;
         reply_field(reply, axis_letter(axis));
         reply_number(reply, coordinates_counts_to_user(axis, motion_target_counts(axis)),
@@ -97,18 +124,12 @@ static enum status movrel(const struct request *request, struct reply *reply)
 
 static enum status where(const struct request *request, struct reply *reply)
 {
-    struct snapshot snapshot;
+    unsigned axes = 0;
 
-    snapshot_now(&snapshot);
-    reply_open(reply, FORM_V);
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        if (!names_axis(request, axis))
-            continue;
-        reply_field(reply, axis_letter(axis));
-        reply_number(reply, coordinates_counts_to_user(axis, snapshot.position_counts[axis]),
-                     (unsigned)reply_position_decimals);
-    }
-    reply_close(reply);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (names_axis(request, axis))
+            axes |= MOTION_AXIS(axis);
+    positions_write(reply, axes);
     return STATUS_OK;
 }
 

@@ -42,21 +42,9 @@ static const struct command commands[] = {
         .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL,
         .summary = "Z saves the settings, Y restores them, X: factory values at the next start.",
     },
-    {
-        .name = "VB", .form = FORM_P, .summary = "Forms of replies.",
-    },
-    {0},
-};
-
-static const struct parameter parameters[] = {
-    {
-        .command = "VB", .letter = 'Z', .type = PARAMETER_INTEGER, .unit = "digits",
-        .minimum = 0, .maximum = 9, .initial = 1, .value = &reply_position_decimals,
-        .summary = "Decimals of the positions WHERE prints.",
-    },
     {0},
 };
 
 const struct module settings_module = {
-    .name = "settings", .commands = commands, .parameters = parameters,
+    .name = "settings", .commands = commands,
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** SAVESET, and the precision of WHERE (VB Z). */
+/** SAVESET. */
 #ifndef MODULES_SETTINGS_H
 #define MODULES_SETTINGS_H
 

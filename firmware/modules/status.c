@@ -24,7 +24,7 @@ static bool motor_on(const struct axis_view *view)
     return view->mode != LOOP_FREE && view->mode != LOOP_IDLE;
 }
 
-static uint8_t status_byte(unsigned axis)
+uint8_t status_byte(unsigned axis)
 {
     struct axis_view view;
     unsigned bits = BIT_JOYSTICK; /* no input device disconnects it yet */

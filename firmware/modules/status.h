@@ -7,6 +7,9 @@
 
 extern const struct module status_module;
 
+/** The byte of RDSTAT and RDSBYTE. */
+uint8_t status_byte(unsigned axis);
+
 /**
  * What the original shows to the left of an axis' position: U or L at a limit switch or a soft
  * limit, D disabled, or a blank.

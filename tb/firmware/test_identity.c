@@ -102,19 +102,10 @@ TEST(saveset_refuses_other_letters)
     CHECK_TEXT(port_send("SS Z=1"), ":N-4\r\n");
 }
 
-TEST(vb_z_sets_the_decimals_of_where)
-{
-    port_start(modules);
-    CHECK_TEXT(port_send("VB Z?"), ":A Z=1\r\n");
-    CHECK_TEXT(port_send("VB Z=3"), ":A \r\n");
-    CHECK_TEXT(port_send("W X Y"), ":A 0.000 100.250 \r\n");
-    CHECK_TEXT(port_send("VB Z=10"), ":N-4\r\n");
-}
-
 TEST_MAIN(RUN(version_starts_at_offset_sixteen_and_ends_at_a_blank);
           RUN(version_reported_is_a_setting); RUN(who_names_us_and_our_axes);
           RUN(date_is_month_day_year_and_time);
           RUN(build_is_one_line_and_build_x_lists_axes_and_modules);
           RUN(build_x_comes_whole_through_a_port_that_takes_a_byte_at_a_time);
           RUN(saveset_saves_restores_and_goes_back_to_factory);
-          RUN(saveset_refuses_other_letters); RUN(vb_z_sets_the_decimals_of_where))
+          RUN(saveset_refuses_other_letters))
