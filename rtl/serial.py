@@ -10,7 +10,10 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 from rtl.registers import Field, Register, RegisterBank, action, csr
 from amaranth_stdio.serial import AsyncSerialRX, AsyncSerialTX
 
-__all__ = ["SerialPeripheral"]
+__all__ = ["FIFO_BYTES", "SerialPeripheral"]
+
+FIFO_BYTES = 64
+"""Bytes in each FIFO, unless built otherwise."""
 
 MIN_DIVISOR = 8
 ERRORS_MAX = 0xffff
@@ -129,7 +132,7 @@ class SerialPeripheral(wiring.Component):
         tx_low: Field(action.RW, 1, doc="Interrupt while Status.tx_low.")
         error: Field(action.RW, 1, doc="Interrupt while any bit of Errors is set.")
 
-    def __init__(self, *, depth=64):
+    def __init__(self, *, depth=FIFO_BYTES):
         if depth < 64:
             raise ValueError(f"depth must be at least 64, not {depth!r}")
         self._depth = depth

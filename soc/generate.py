@@ -22,7 +22,11 @@ from pathlib import Path
 from amaranth.hdl import Fragment
 
 from rtl.identity import MAGIC, MAP_VERSION
+from rtl.line import LINE_LATENCY
+from rtl.pwm import PERIOD_CLOCKS
+from rtl.quadrature import DECODER_LATENCY
 from rtl.registers import Field, Register
+from rtl.serial import FIFO_BYTES
 from soc import top
 from soc.header import render_header
 from soc.manual import render_manual
@@ -156,7 +160,8 @@ def files():
     blocks = collect(design().register_map, docs, base=top.REGISTERS)
     interrupts = dict(sorted((p.interrupt for p in top.PERIPHERALS if p.interrupt), key=lambda i: i[1]))
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
-                 "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ}
+                 "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ, "DECODER_LATENCY": DECODER_LATENCY,
+                 "LINE_LATENCY": LINE_LATENCY, "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES}
     return {
         "build/generated/regs.h": render_header(blocks, constants, interrupts),
         "build/generated/memory.ld": render_memory(top.REGIONS),

@@ -90,6 +90,8 @@ def block_lines(block):
             yield f"#define {name}_{field.name.upper()}_SHIFT {field.shift}u"
             yield f"#define {name}_{field.name.upper()}_WIDTH {field.width}u"
             yield f"#define {name}_{field.name.upper()}_MASK {field.mask:#010x}u"
+            if field.reset is not None:
+                yield f"#define {name}_{field.name.upper()}_RESET {field.reset & (1 << field.width) - 1:#x}u"
         address = f"{name} + n * {macro}_STRIDE" if numbered else name
         functions += [f"/* {register.doc} */",
                       *accessors(f"{block.name}_{register.name}", address, numbered, register)]
