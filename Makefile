@@ -56,6 +56,9 @@ test-host: $(READY) ## The analyser and the demo's own checks, on recordings wit
 test-transcripts: $(READY) ## What hosts say and must be told [PORT=device|pty|host:port FILES=... ARGS=--help]
 	@$(PYTHON) -m tb.transcripts $(if $(PORT),--port $(PORT)) $(ARGS) $(FILES)
 
+test-gates: $(READY) ## Every test of a block on the netlist that goes to the FPGA
+	@$(PYTEST) -n $(JOBS) --dist worksteal --gates all -m gates tb/rtl tb/gates
+
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
 
