@@ -58,12 +58,19 @@ class Timer(wiring.Component):
 
 
 class TimerPeripheral(wiring.Component):
-    """The timer on the CSR bus.  Domain ``sync``.  ``interrupt`` is high while ``Interrupt.alarm`` is set.
+    """The timer on the CSR bus.  Domain ``sync``.
 
     Parameters
     ----------
     init : int
         The count at reset.
+
+    Members
+    -------
+    interrupt : Out(1)
+        High while ``Interrupt.alarm`` is set.
+    count : Out(32)
+        What ``Count`` reads as, for stamps of other blocks.
     """
 
     class Count(Register, access="r"):
@@ -108,7 +115,8 @@ class TimerPeripheral(wiring.Component):
         self._status = registers.add(self.Status, offset=0x14)
         self._interrupt = registers.add(self.Interrupt, offset=0x18)
         memory_map = registers.finish()
-        super().__init__({"bus": In(registers.bus_signature), "interrupt": Out(1)})
+        super().__init__({"bus": In(registers.bus_signature), "interrupt": Out(1),
+                          "count": Out(32)})
         self.bus.memory_map = memory_map
 
     def elaborate(self, platform):
@@ -130,6 +138,6 @@ class TimerPeripheral(wiring.Component):
             self._latched_high.f.value.r_data.eq(latched[32:]),
             self._status.f.armed.r_data.eq(timer.armed),
             self._interrupt.f.alarm.set.eq(timer.expired),
-            self.interrupt.eq(self._interrupt.f.alarm.data),
+            self.interrupt.eq(self._interrupt.f.alarm.data), self.count.eq(timer.count),
         ]
         return m

@@ -8,11 +8,14 @@ from amaranth import ClockDomain, Module
 from amaranth.lib import wiring
 from amaranth.lib.wiring import In, Out, connect
 
+from rtl.adc import AdcPeripheral
+from rtl.buttons import BUTTONS, ButtonsPeripheral
 from rtl.compare import ComparePeripheral
 from rtl.divider import DividerPeripheral
 from rtl.identity import IdentityPeripheral
-from rtl.inputs import InputsPeripheral
+from rtl.inputs import DIP_SWITCHES, InputsPeripheral
 from rtl.interlock import Interlock
+from rtl.knob import KNOBS, KnobPeripheral
 from rtl.line import LinePeripheral
 from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadraturePeripheral, StepStream
@@ -69,6 +72,8 @@ PERIPHERALS = (
     Peripheral("inputs", 0xffff_f080, InputsPeripheral),
     Peripheral("serial", 0xffff_f0c0, SerialPeripheral, interrupt=("serial", 1)),
     Peripheral("timer", 0xffff_f100, TimerPeripheral, interrupt=("timer", 2)),
+    Peripheral("buttons", 0xffff_f140, ButtonsPeripheral),
+    Peripheral("knob", 0xffff_f180, KnobPeripheral),
     # From here on within reach of one load or store off x0.
     Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
@@ -79,6 +84,7 @@ PERIPHERALS = (
     Peripheral("router", 0xffff_f980, LinePeripheral, part="line", bus="router_bus",
                registers=RouterPeripheral),
     *(Peripheral(f"quadrature{n}", 0xffff_fa00 + 0x10 * n, QuadraturePeripheral) for n in range(AXES)),
+    Peripheral("adc", 0xffff_fb00, AdcPeripheral),
 )
 
 
@@ -93,7 +99,7 @@ class Abbe(wiring.Component):
     regions : sequence of Region
         Memory; a board may have less than :data:`REGIONS`, for which firmware is linked.
 
-    Members: pins, all active high.  Inputs are asynchronous, outputs come from flip-flops.
+    Members: pins, all active high but those in _n.  Inputs are asynchronous, outputs come from flip-flops.
     -------
     clk, rst, fast_clk, fast_rst, cpu_clk, cpu_rst : In(1)
         Clocks, and resets that fall in step with them.
@@ -105,6 +111,14 @@ class Abbe(wiring.Component):
         1 = drives off.
     in0, in1 : In(1)
         TTL inputs.
+    button, joystick_button : In(4), In(1)
+        1 = pressed: @, HOME, ZERO, the joystick's; and the joystick's on a wire of its own.
+    dip : In(4)
+        DIP switches 4, 5, 7, 8; 1 = on.
+    knob_a, knob_b : In(3)
+        Hand-wheels: control knob, X, Y; up when A leads B.
+    adc_cs_n, adc_sck, adc_mosi, adc_miso : Out(1), Out(1), Out(1), In(1)
+        Analog-to-digital converter, see :mod:`rtl.adc`.
     serial_rx, serial_tx : In(1), Out(1)
         Serial port, idle high.
     pwm, dir : Out(4)
@@ -133,6 +147,9 @@ class Abbe(wiring.Component):
             **{f"{prefix}{signal}": In(1) for prefix in DOMAINS.values() for signal in ("clk", "rst")},
             "enc_a": In(AXES), "enc_b": In(AXES), "enc_z": In(AXES),
             "limit_lower": In(AXES), "limit_upper": In(AXES), "estop": In(1), "in0": In(1), "in1": In(1),
+            "button": In(BUTTONS), "joystick_button": In(1), "dip": In(DIP_SWITCHES),
+            "knob_a": In(KNOBS), "knob_b": In(KNOBS),
+            "adc_cs_n": Out(1, init=1), "adc_sck": Out(1), "adc_mosi": Out(1), "adc_miso": In(1),
             "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
             "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
             "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
@@ -179,8 +196,9 @@ class Abbe(wiring.Component):
         inputs, serial, pwm = parts["inputs"], parts["serial"], parts["pwm"]
         snapshot, line = parts["snapshot"], parts["line"]
         m.submodules.interlock = interlock = Interlock()
-        for name in "limit_lower", "limit_upper", "estop", "in0", "in1":
+        for name in "limit_lower", "limit_upper", "estop", "in0", "in1", "dip":
             m.d.comb += getattr(inputs, name).eq(getattr(self, name))
+        self._connect_panel(m)
         m.d.comb += [
             serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx),
             interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
@@ -196,3 +214,15 @@ class Abbe(wiring.Component):
             ]
             for name in StepStream().members:
                 m.d.comb += getattr(getattr(line, f"step{n}"), name).eq(getattr(encoder.steps, name))
+
+    def _connect_panel(self, m):
+        """What a hand is on: buttons, hand-wheels, joystick; and the time of it."""
+        parts = self._parts
+        buttons, knob, adc = parts["buttons"], parts["knob"], parts["adc"]
+        m.d.comb += [
+            buttons.button.eq(self.button), buttons.joystick_button.eq(self.joystick_button),
+            knob.a.eq(self.knob_a), knob.b.eq(self.knob_b),
+            self.adc_cs_n.eq(adc.cs_n), self.adc_sck.eq(adc.sck), self.adc_mosi.eq(adc.mosi),
+            adc.miso.eq(self.adc_miso), adc.tick.eq(parts["pwm"].tick_stb),
+            *(parts[name].count.eq(parts["timer"].count) for name in ("buttons", "inputs")),
+        ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""rtl/inputs.py and rtl/interlock.py: every pin arrives in its place, 2 clocks after it is sampled."""
+"""rtl/inputs.py and rtl/interlock.py: every pin arrives in its place, 2 clocks after it is sampled; edges are kept."""
 
 import random
 
@@ -9,10 +9,14 @@ from cocotb.triggers import ClockCycles, FallingEdge
 
 from rtl.inputs import InputsPeripheral
 from rtl.interlock import Interlock
-from tb.rtl.register_bus import idle, read
+from tb.rtl.register_bus import idle, read, write
 
-PINS = {"limit_lower": (4, 0), "limit_upper": (4, 4), "estop": (1, 8), "in0": (1, 9), "in1": (1, 10)}
+PINS = {"limit_lower": (4, 0), "limit_upper": (4, 4), "estop": (1, 8), "in0": (1, 9), "in1": (1, 10),
+        "dip": (4, 11)}
 """Pin: (bits, first bit of the register)."""
+
+BITS = 15
+EDGES, TIMES = 0x4, {"in0": 0x8, "in1": 0xc}
 
 LATENCY = 2
 
@@ -21,14 +25,14 @@ LATENCY = 2
 async def every_pin_has_its_place(dut):
     cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
     idle(dut)
-    dut.rst.value = 0
+    dut.rst.value, dut.count.value = 0, 0
     for pin in PINS:
         getattr(dut, pin).value = 0
     await FallingEdge(dut.clk)
     seed = random.randrange(1 << 32)
     dut._log.info(f"seed {seed}")
     rng = random.Random(seed)
-    patterns = [1 << bit for bit in range(11)] + [rng.randrange(1 << 11) for _ in range(50)]
+    patterns = [1 << bit for bit in range(BITS)] + [rng.randrange(1 << BITS) for _ in range(50)]
     for pattern in patterns:
         for pin, (width, shift) in PINS.items():
             getattr(dut, pin).value = pattern >> shift & ((1 << width) - 1)
@@ -40,7 +44,7 @@ async def every_pin_has_its_place(dut):
 async def a_level_is_readable_two_clocks_after_it_is_sampled(dut):
     cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
     idle(dut)
-    dut.rst.value = 0
+    dut.rst.value, dut.count.value = 0, 0
     for pin in PINS:
         getattr(dut, pin).value = 0
     await ClockCycles(dut.clk, 4, FallingEdge)
@@ -54,8 +58,67 @@ async def a_level_is_readable_two_clocks_after_it_is_sampled(dut):
     assert seen == [0] * LATENCY + [1] * (6 - LATENCY)
 
 
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def edges_are_kept_and_stamped(dut):
+    """A random walk of the two TTL inputs, cleared now and then; the reference remembers what was done."""
+    cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
+    idle(dut)
+    dut.rst.value = 1
+    for pin in PINS:
+        getattr(dut, pin).value = 0
+    dut.count.value = 0
+    await FallingEdge(dut.clk)
+    dut.rst.value = 0
+    seed = random.randrange(1 << 32)
+    dut._log.info(f"seed {seed}")
+    rng = random.Random(seed)
+    now, level, kept, at = 0, {"in0": 0, "in1": 0}, 0, {"in0": 0, "in1": 0}
+
+    async def clocks(count):
+        nonlocal now
+        for _ in range(count):
+            now += 1
+            dut.count.value = now
+            await FallingEdge(dut.clk)
+
+    for _ in range(300):
+        for _ in range(rng.randrange(4)):
+            pin = rng.choice(["in0", "in1"])
+            level[pin] = 1 - level[pin]
+            getattr(dut, pin).value = level[pin]
+            at[pin] = now + 1 + LATENCY                 # the clock on which the level is readable
+            kept |= (1 if level[pin] else 2) << (0 if pin == "in0" else 2)
+            await clocks(rng.randint(1, 3))
+        await clocks(LATENCY + 1)
+        assert await read(dut, EDGES) == kept
+        for pin, offset in TIMES.items():
+            assert await read(dut, offset) == at[pin]
+        if rng.random() < 0.5:
+            cleared = rng.randrange(16)
+            await write(dut, EDGES, cleared)
+            kept &= ~cleared
+            await clocks(1)
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
+async def a_pulse_of_one_clock_is_both_edges(dut):
+    cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
+    idle(dut)
+    dut.rst.value = 1
+    for pin in PINS:
+        getattr(dut, pin).value = 0
+    dut.count.value = 0
+    await FallingEdge(dut.clk)
+    dut.rst.value = 0
+    dut.in1.value = 1
+    await FallingEdge(dut.clk)
+    dut.in1.value = 0
+    await ClockCycles(dut.clk, LATENCY + 1, FallingEdge)
+    assert await read(dut, EDGES) == 0xc
+
+
 def test_inputs(simulate):
-    simulate(InputsPeripheral(), tests="every_pin|a_level")
+    simulate(InputsPeripheral(), tests="every_pin|a_level|edges|a_pulse")
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
