@@ -31,6 +31,9 @@
 #define ABBE_VERSION "0.0.0"
 #endif
 
+/** Level of the original's command language that is implemented, as `V T` prints it. */
+#define LANGUAGE_LEVEL "9.55"
+
 /** Date of the build as CDATE prints it, "Mmm DD YYYY:HH:MM:SS"; the build passes the commit's date. */
 #ifndef ABBE_DATE
 #define ABBE_DATE "Jan 01 2026:00:00:00"

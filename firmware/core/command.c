@@ -8,7 +8,7 @@
 #include "core/number.h"
 #include "core/settings.h"
 
-/* Queries are answered in this order, whatever the order asked: hardware axes first. */
+/* Queries are answered in this order, whatever the order asked, but the hardware's axes first. */
 static const char reply_order[] = "XYZFTRMABCDEGHIJKLNOPQSUVW";
 
 static const struct module *const no_modules[] = {NULL};
@@ -82,6 +82,11 @@ double parameter_value(const struct parameter *parameter, unsigned axis)
     if (parameter->get != NULL)
         return parameter->get(axis);
     return parameter->value != NULL ? parameter->value[axis] : 0;
+}
+
+double parameter_initial(const struct parameter *parameter, unsigned axis)
+{
+    return parameter->initial_of != NULL ? parameter->initial_of(axis) : parameter->initial;
 }
 
 void parameter_store(const struct parameter *parameter, unsigned axis, double value)
@@ -236,25 +241,33 @@ static void print_value(struct reply *reply, const struct parameter *row, unsign
     reply_number(reply, value, decimals);
 }
 
+static void print_query(const struct command *command, const struct request *request, char letter,
+                        struct reply *reply)
+{
+    bool asked = false;
+
+    for (size_t i = 0; i < request->count; i++)
+        asked |= request->arguments[i].letter == letter &&
+                 request->arguments[i].kind == ARGUMENT_QUERY;
+    if (!asked)
+        return;
+    const struct target target = find_target(command, letter);
+
+    if (target.parameter == NULL)
+        return;
+    reply_field(reply, letter);
+    print_value(reply, target.parameter, target.axis);
+}
+
 static void print_queries(const struct command *command, const struct request *request,
                           struct reply *reply)
 {
     reply_open(reply, command->form);
-    for (const char *letter = reply_order; *letter != '\0'; letter++) {
-        bool asked = false;
-
-        for (size_t i = 0; i < request->count; i++)
-            asked |= request->arguments[i].letter == *letter &&
-                     request->arguments[i].kind == ARGUMENT_QUERY;
-        struct target target = {NULL, 0};
-
-        if (asked)
-            target = find_target(command, *letter);
-        if (target.parameter == NULL)
-            continue;
-        reply_field(reply, *letter);
-        print_value(reply, target.parameter, target.axis);
-    }
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        print_query(command, request, axis_letter(axis), reply);
+    for (const char *letter = reply_order; *letter != '\0'; letter++)
+        if (axis_index(*letter) < 0)
+            print_query(command, request, *letter, reply);
     reply_close(reply);
 }
 
@@ -280,6 +293,14 @@ enum status command_execute(const char *line, size_t length, struct request *req
     }
     print_queries(command, request, reply);
     return runs ? command->run(request, reply) : STATUS_OK;
+}
+
+bool command_frame(const uint8_t *frame, struct reply *reply)
+{
+    for (unsigned m = 0; modules[m] != NULL; m++)
+        if (modules[m]->frame != NULL && modules[m]->frame(frame, reply))
+            return true;
+    return false;
 }
 
 enum status command_resume(const struct request *request, struct reply *reply)

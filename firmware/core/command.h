@@ -94,6 +94,7 @@ struct parameter {
     double minimum, maximum;                /* both allowed */
     enum parameter_outside below, above;
     double initial;
+    double (*initial_of)(unsigned axis); /* instead of `initial`, where axes differ; or NULL */
     enum parameter_saved saved;
     bool read_only; /* setting it is :N-4 */
 
@@ -131,6 +132,12 @@ const struct command *command_find(const char *verb);
 enum status command_execute(const char *line, size_t length, struct request *request,
                             struct reply *reply);
 
+/**
+ * Carry out a frame of the low-level format: axis, command, size, data, 58. What it writes is the
+ * whole answer, without an end. False: no module knew it, which needs no answer.
+ */
+bool command_frame(const uint8_t *frame, struct reply *reply);
+
 /** Go on with a request whose status was STATUS_PENDING. */
 enum status command_resume(const struct request *request, struct reply *reply);
 
@@ -139,6 +146,9 @@ bool command_urgent(const char *line, size_t length);
 
 /** Set a value as a command would: adjusted, stored, `set` called. No check. */
 void parameter_store(const struct parameter *parameter, unsigned axis, double value);
+
+/** Its value at a start with nothing kept. */
+double parameter_initial(const struct parameter *parameter, unsigned axis);
 
 /** The value a query prints. */
 double parameter_value(const struct parameter *parameter, unsigned axis);

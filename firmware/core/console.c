@@ -9,6 +9,9 @@
 /* Stands in the queue for a line that was dropped; no line holds control bytes. */
 static const char lost_line[] = "\x15";
 
+/* Stands in the queue before a binary frame, whose bytes follow as pairs of letters A to P. */
+static const uint8_t frame_mark = 0x06;
+
 /* Stands in the queue before a line whose command acted at once. */
 static const uint8_t acted_mark = 0x12;
 
@@ -45,6 +48,19 @@ static void take_line(struct console *console, const char *text, size_t length)
         (void)queue_line(console, lost_line, 1, false);
 }
 
+/* Without room the frame is lost; there is no answer that could say so. */
+static void take_frame(struct console *console, const uint8_t *frame, size_t length)
+{
+    if (ring_free(&console->queue) < 2 * length + 2)
+        return;
+    ring_put(&console->queue, frame_mark);
+    for (size_t i = 0; i < length; i++) {
+        ring_put(&console->queue, (uint8_t)('A' + (frame[i] >> 4)));
+        ring_put(&console->queue, (uint8_t)('A' + (frame[i] & 15)));
+    }
+    ring_put(&console->queue, '\r');
+}
+
 static void control(uint8_t byte)
 {
     switch (byte) {
@@ -78,6 +94,9 @@ static void handle(struct console *console, enum line_event event)
         break;
     case LINE_CLEAR:
         ring_clear(&console->queue);
+        break;
+    case LINE_FRAME:
+        take_frame(console, line->frame, line->frame_length);
         break;
     case LINE_CONTROL:
         control(line->control);
@@ -127,6 +146,18 @@ static void conclude(struct console *console, enum status status, bool first)
     }
 }
 
+/* The frame behind its mark in `text`, `length` characters in all. */
+static void run_frame(struct console *console, size_t length)
+{
+    uint8_t frame[LINE_FRAME_MAX];
+
+    for (size_t i = 0; 2 * i + 2 < length; i++)
+        frame[i] = (uint8_t)((console->text[2 * i + 1] - 'A') << 4 |
+                             (console->text[2 * i + 2] - 'A'));
+    if (command_frame(frame, &console->reply))
+        conclude(console, STATUS_SILENT, true);
+}
+
 static void next_line(struct console *console)
 {
     size_t length = 0;
@@ -143,6 +174,10 @@ static void next_line(struct console *console)
     if (length == 0)
         return;
     reply_clear(&console->reply);
+    if (console->text[0] == (char)frame_mark) {
+        run_frame(console, length);
+        return;
+    }
     if (console->text[0] != lost_line[0])
         status = command_execute(console->text, length, &console->request, &console->reply);
     conclude(console, status, true);

@@ -129,6 +129,14 @@ static enum line_event ascii_byte(struct line *line, uint8_t byte)
     }
 }
 
+/* Bytes of the frame that the bytes waiting begin, of which three are there. */
+static size_t frame_length(const struct line *line)
+{
+    bool writes = line->input[1] != 0 && strchr("TDSA", line->input[1]) != NULL;
+
+    return writes ? line->input[2] + 4u : 4u;
+}
+
 /* Whether the bytes waiting can be the start of a frame. */
 static bool may_be_frame(const struct line *line)
 {
@@ -138,12 +146,12 @@ static bool may_be_frame(const struct line *line)
         return true;
     if (line->input[2] > FRAME_DATA_MAX)
         return false;
-    return have < line->input[2] + 4u || line->input[have - 1] == FRAME_END;
+    return have < frame_length(line) || line->input[have - 1] == FRAME_END;
 }
 
 static bool is_whole_frame(const struct line *line)
 {
-    return line->input_length >= 4 && line->input_length == line->input[2] + 4u;
+    return line->input_length >= 4 && line->input_length == frame_length(line);
 }
 
 static void drop(struct line *line, size_t count)
@@ -165,7 +173,10 @@ static bool binary_step(struct line *line, enum line_event *event)
     } else if (!may_be_frame(line)) {
         drop(line, 1);
     } else if (is_whole_frame(line)) {
+        memcpy(line->frame, line->input, line->input_length);
+        line->frame_length = line->input_length;
         line->input_length = 0;
+        *event = LINE_FRAME;
     } else {
         return false;
     }

@@ -13,9 +13,10 @@
  *  - 255 starts a two-byte control, taken anywhere and at once: 65 ASCII lines, 66 binary frames,
  *    82 reset, 72 and 84 precision of WHERE (LINE_CONTROL). 65 and 66 drop the line typed so far,
  *    the others leave it alone. Another second byte is dropped with the 255, CR excepted.
- *  - Binary frames (axis, command, size 0 to 4, that many data bytes, 58) are consumed and ignored
- *    until 255 65. Inside a well-formed frame these two are data; bytes that form no frame are
- *    dropped one by one, so that noise never hides a 255 65 for longer than one frame.
+ *  - Until 255 65, binary frames: axis, command, size, data, 58 (LINE_FRAME). Writing commands (T D
+ *    S A) have `size` data bytes, 0 to 4; in others the size tells how much is to be answered, or
+ *    nothing, and there are no data. Inside a well-formed frame 255 65 are data; bytes that form no
+ *    frame are dropped one by one, so that noise never hides a 255 65 for longer than one frame.
  *
  * Pure: no hardware, no time.
  */
@@ -37,6 +38,7 @@ enum line_event {
     LINE_TOO_LONG, /* a line was dropped; answer :N-6 */
     LINE_HALT,     /* stop now, and answer as HALT */
     LINE_CLEAR,    /* forget the lines that wait */
+    LINE_FRAME,    /* `frame` holds a whole frame, valid until the next line_next */
     LINE_CONTROL,  /* `control` holds the second byte: 65, 66, 72, 82 or 84 */
 };
 
@@ -52,6 +54,8 @@ struct line {
     char text[LINE_MAX];
     size_t length;
     uint8_t control;
+    uint8_t frame[LINE_FRAME_MAX];
+    size_t frame_length;
 
     /* Private. */
     enum { LINE_START, LINE_TEXT, LINE_AFTER_HALT, LINE_AFTER_HALT_R, LINE_SKIP, LINE_OVER } state;

@@ -12,6 +12,7 @@ struct module {
     const struct parameter *parameters;        /* ended by { 0 }, or NULL */
     const struct subscription *subscriptions;  /* ended by { 0 }, or NULL */
     const char *const *build_lines;            /* its lines of BUILD X, ended by NULL, or NULL */
+    bool (*frame)(const uint8_t *frame, struct reply *reply); /* of command_frame, or NULL */
     void (*init)(void);                        /* once, after all parameters have their values */
     void (*poll)(void);                        /* each turn of the main loop; returns soon */
 };

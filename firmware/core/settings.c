@@ -58,7 +58,7 @@ static bool is_kept(const struct parameter *row, enum parameter_saved class)
 static bool set_initial(const struct parameter *row, unsigned axis)
 {
     if (row->value != NULL && !row->read_only)
-        parameter_store(row, axis, row->initial);
+        parameter_store(row, axis, parameter_initial(row, axis));
     return true;
 }
 

@@ -5,6 +5,16 @@
 
 #include "config.h"
 
+/* What BU Y gathers: characters of a text, kept in doubles of seven characters of 7 bits each. */
+enum { TEXT_MAX = 20, TEXT_PART = 7, TEXT_PARTS = 3 };
+static double text_parts[TEXT_PARTS];
+
+#define TEXT_PART_MAX 562949953421311.0 /* 2^49 - 1 */
+
+/* BU Z. */
+#define SCRATCH_MAX 65535.0
+static double scratch;
+
 /*
  * The version reported is the level of the language that hosts ask for: it switches their features
  * on and off. It is a setting, because one of them accepts "9.2k" only. Who we are is in WHO.
@@ -13,7 +23,10 @@ static double minor_digit, revision_character;
 
 static enum status version(const struct request *request, struct reply *reply)
 {
-    (void)request;
+    if (request_argument(request, 'T') != NULL) {
+        reply_text(reply, ":A v" LANGUAGE_LEVEL);
+        return STATUS_OK;
+    }
     reply_text(reply, ":A Version: USB-9.");
     reply_integer(reply, (int32_t)minor_digit);
     reply_char(reply, (char)revision_character);
@@ -100,9 +113,72 @@ static void write_build_line(struct reply *reply, unsigned n)
     }
 }
 
+/* The n-th character of the user's text, 0 beyond its end. */
+static char text_character(unsigned n)
+{
+    return (char)((uint64_t)text_parts[n / TEXT_PART] >> (7 * (n % TEXT_PART)) & 0x7f);
+}
+
+static unsigned text_length(void)
+{
+    unsigned length = 0;
+
+    while (length < TEXT_MAX && text_character(length) != 0)
+        length++;
+    return length;
+}
+
+static void text_clear(void)
+{
+    for (unsigned part = 0; part < TEXT_PARTS; part++)
+        text_parts[part] = 0;
+}
+
+/* BU Y: =n appends a character, - clears, ? prints. */
+static enum status build_text(const struct argument *argument, struct reply *reply)
+{
+    const unsigned length = text_length();
+
+    switch (argument->kind) {
+    case ARGUMENT_QUERY:
+        reply_text(reply, ":A ");
+        for (unsigned n = 0; n < length; n++)
+            reply_char(reply, text_character(n));
+        return STATUS_OK;
+    case ARGUMENT_MINUS:
+        text_clear();
+        return STATUS_OK;
+    case ARGUMENT_VALUE:
+        if (!(argument->value >= 32 && argument->value <= 126))
+            return STATUS_RANGE;
+        if (length == TEXT_MAX)
+            return STATUS_FAILED;
+        text_parts[length / TEXT_PART] +=
+            (double)((uint64_t)argument->value << (7 * (length % TEXT_PART)));
+        return STATUS_OK;
+    default:
+        return STATUS_RANGE;
+    }
+}
+
+/* X names the list and Y the text; X takes no value. */
+static enum status check_build(const struct request *request)
+{
+    const struct argument *list = request_argument(request, 'X');
+    const struct argument *text = request_argument(request, 'Y');
+
+    if (list != NULL && (list->kind != ARGUMENT_BARE || text != NULL))
+        return STATUS_RANGE;
+    return STATUS_OK;
+}
+
 /* One line each time it is called: the list has no upper bound, a reply's text has one. */
 static enum status build(const struct request *request, struct reply *reply)
 {
+    const struct argument *text = request_argument(request, 'Y');
+
+    if (text != NULL)
+        return build_text(text, reply);
     write_build_line(reply, reply->step);
     if (request->count == 0)
         return STATUS_OK;
@@ -113,9 +189,20 @@ static enum status build(const struct request *request, struct reply *reply)
     return STATUS_PENDING;
 }
 
+static enum status step_scratch(unsigned axis, bool plus, bool act)
+{
+    (void)axis;
+    if (act && plus)
+        scratch = scratch < SCRATCH_MAX ? scratch + 1 : 0;
+    else if (act)
+        scratch = scratch > 0 ? scratch - 1 : SCRATCH_MAX;
+    return STATUS_OK;
+}
+
 static const struct command commands[] = {
     {
         .name = "VERSION", .shortcut = "V", .form = FORM_P, .run = version,
+        .accepts = ARGUMENT_BARE, .letters = "T",
         .summary = "Level of the command language, as hosts know it.",
     },
     {
@@ -123,8 +210,11 @@ static const struct command commands[] = {
         .summary = "Name of the controller, axes fitted and our own version.",
     },
     {
-        .name = "BUILD", .shortcut = "BU", .run = build, .accepts = ARGUMENT_BARE, .letters = "X",
-        .summary = "Name of the build; BU X lists axes and modules.",
+        .name = "BUILD", .shortcut = "BU", .run = build, .check = check_build,
+        .accepts = ARGUMENT_BARE | ARGUMENT_VALUE | ARGUMENT_QUERY | ARGUMENT_MINUS,
+        .letters = "XY", .form = FORM_VALUES,
+        .summary = "Name of the build; BU X lists axes and modules. BU Y=n appends character n to "
+                   "a text of 20, BU Y- clears it, BU Y? prints it.",
     },
     {
         .name = "CDATE", .shortcut = "CD", .run = date, .summary = "Date of the firmware.",
@@ -135,14 +225,36 @@ static const struct command commands[] = {
 static const struct parameter parameters[] = {
     {
         .command = "VERSION", .letter = 'X', .type = PARAMETER_INTEGER, .unit = "",
-        .minimum = 0, .maximum = 9, .initial = 2, .value = &minor_digit,
+        .minimum = 0, .maximum = 9, .initial = 2, .value = &minor_digit, .saved = SAVED_BY_SS,
         .summary = "Minor digit of the version reported, the 2 of 9.2k.",
     },
     {
         .command = "VERSION", .letter = 'Z', .type = PARAMETER_INTEGER, .unit = "",
         .minimum = '0', .maximum = 'z', .initial = 'k', .value = &revision_character,
-        .check = check_revision,
+        .check = check_revision, .saved = SAVED_BY_SS,
         .summary = "Revision of the version reported, as a character code: the k of 9.2k is 107.",
+    },
+    {
+        .command = "BUILD", .letter = 'Z', .type = PARAMETER_INTEGER, .unit = "",
+        .minimum = 0, .maximum = SCRATCH_MAX, .initial = 0, .value = &scratch,
+        .sign = step_scratch, .saved = SAVED_NEVER,
+        .summary = "A number for the host's use, 0 after a start; + and - count and wrap.",
+    },
+    /* Letters that cannot be typed: rows for the settings only. */
+    {
+        .command = "BUILD", .letter = '1', .type = PARAMETER_INTEGER, .minimum = 0,
+        .maximum = TEXT_PART_MAX, .value = &text_parts[0], .saved = SAVED_BY_SS,
+        .summary = "Characters 1 to 7 of the text.",
+    },
+    {
+        .command = "BUILD", .letter = '2', .type = PARAMETER_INTEGER, .minimum = 0,
+        .maximum = TEXT_PART_MAX, .value = &text_parts[1], .saved = SAVED_BY_SS,
+        .summary = "Characters 8 to 14 of the text.",
+    },
+    {
+        .command = "BUILD", .letter = '3', .type = PARAMETER_INTEGER, .minimum = 0,
+        .maximum = TEXT_PART_MAX, .value = &text_parts[2], .saved = SAVED_BY_SS,
+        .summary = "Characters 15 to 20 of the text.",
     },
     {0},
 };

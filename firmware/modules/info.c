@@ -7,6 +7,7 @@
 #include "modules/axis.h"
 #include "modules/coordinates.h"
 #include "modules/lookup.h"
+#include "modules/low_level.h"
 #include "modules/motion.h"
 #include "modules/settling.h"
 #include "modules/status.h"
@@ -113,7 +114,7 @@ static double loop_ms(const struct page *page)
 
 static double low_level_id(const struct page *page)
 {
-    return 24 + page->axis;
+    return low_level_address(page->axis);
 }
 
 static double ki_16(const struct page *page)

@@ -7,7 +7,9 @@
 #include "modules/coordinates.h"
 #include "modules/identity.h"
 #include "modules/info.h"
+#include "modules/letters.h"
 #include "modules/limits.h"
+#include "modules/low_level.h"
 #include "modules/motion.h"
 #include "modules/move.h"
 #include "modules/scan.h"
@@ -27,6 +29,8 @@ const struct module *const firmware_modules[] = {
     &status_module,
     &ttl_module,
     &scan_module,
+    &letters_module,
+    &low_level_module,
     &info_module,
     &identity_module,
     &settings_module,

@@ -8,6 +8,8 @@
 #include "core/fault.h"
 #include "host/mmio.h"
 #include "modules/axis.h"
+#include "modules/coordinates.h"
+#include "modules/limits.h"
 #include "modules/modules.h"
 #include "port.h"
 #include "regs.h"
@@ -54,6 +56,9 @@ void machine_start(void)
     memset(position, 0, sizeof position);
     memset(speed, 0, sizeof speed);
     axis_init();
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        coordinates_set_origin(axis, 0);
+    limits_open();
     port_start(firmware_modules);
     machine_run(10);
 }

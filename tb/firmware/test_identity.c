@@ -38,7 +38,8 @@ TEST(version_reported_is_a_setting)
     CHECK_TEXT(port_send("V X? Z?"), ":A X=5 Z=53\r\n");
     CHECK_TEXT(port_send("V X=10"), ":N-4\r\n");
     CHECK_TEXT(port_send("V Z=64"), ":N-4\r\n"); /* no digit or small letter */
-    CHECK_TEXT(port_send("V T"), ":N-2\r\n");
+    CHECK_TEXT(port_send("V T"), ":A v9.55\r\n"); /* whatever is reported */
+    CHECK_TEXT(port_send("V Q"), ":N-2\r\n");
 }
 
 TEST(who_names_us_and_our_axes)
@@ -65,6 +66,46 @@ TEST(build_is_one_line_and_build_x_lists_axes_and_modules)
     CHECK_TEXT(port_send("bu x"), "ABBE_XYZF\rMotor Axes: X Y Z F  \rCMDs: XYZFTR\rBootLdr V:1\r"
                                   "Hdwr REV.A\rSAMPLE MODULE\r\n");
     CHECK_TEXT(port_send("BU Q"), ":N-2\r\n");
+}
+
+TEST(bu_y_keeps_a_text_of_twenty_characters)
+{
+    port_start(modules);
+    CHECK_TEXT(port_send("BU Y?"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Y=31"), ":N-4\r\n");
+    CHECK_TEXT(port_send("BU Y=127"), ":N-4\r\n");
+    for (int n = 0; n < 20; n++) {
+        char line[20];
+
+        snprintf(line, sizeof line, "BU Y=%d", n == 7 ? 126 : 'a' + n);
+        CHECK_TEXT(port_send(line), ":A \r\n");
+    }
+    CHECK_TEXT(port_send("BU Y=97"), ":N-5\r\n");
+    CHECK_TEXT(port_send("bu y?"), ":A abcdefg~ijklmnopqrst\r\n");
+    CHECK_TEXT(port_send("SS Z"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Y-"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Y?"), ":A \r\n");
+    port_start(modules);
+    CHECK_TEXT(port_send("BU Y?"), ":A abcdefg~ijklmnopqrst\r\n");
+    CHECK_TEXT(port_send("BU Y+"), ":N-4\r\n");
+    CHECK_TEXT(port_send("BU X Y?"), ":N-4\r\n");
+    CHECK_TEXT(port_send("BU X?"), ":N-4\r\n");
+}
+
+TEST(bu_z_counts_and_wraps_and_is_forgotten)
+{
+    port_start(modules);
+    CHECK_TEXT(port_send("BU Z?"), ":A 0\r\n");
+    CHECK_TEXT(port_send("BU Z-"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Z?"), ":A 65535\r\n");
+    CHECK_TEXT(port_send("BU Z+"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Z=12 "), ":A \r\n");
+    CHECK_TEXT(port_send("BU Z+"), ":A \r\n");
+    CHECK_TEXT(port_send("BU Z?"), ":A 13\r\n");
+    CHECK_TEXT(port_send("BU Z=65536"), ":N-4\r\n");
+    CHECK_TEXT(port_send("SS Z"), ":A \r\n");
+    port_start(modules);
+    CHECK_TEXT(port_send("BU Z?"), ":A 0\r\n");
 }
 
 TEST(build_x_comes_whole_through_a_port_that_takes_a_byte_at_a_time)
@@ -105,6 +146,8 @@ TEST(saveset_refuses_other_letters)
 TEST_MAIN(RUN(version_starts_at_offset_sixteen_and_ends_at_a_blank);
           RUN(version_reported_is_a_setting); RUN(who_names_us_and_our_axes);
           RUN(date_is_month_day_year_and_time);
+          RUN(bu_y_keeps_a_text_of_twenty_characters);
+          RUN(bu_z_counts_and_wraps_and_is_forgotten);
           RUN(build_is_one_line_and_build_x_lists_axes_and_modules);
           RUN(build_x_comes_whole_through_a_port_that_takes_a_byte_at_a_time);
           RUN(saveset_saves_restores_and_goes_back_to_factory);

@@ -5,7 +5,7 @@
 #include "check.h"
 
 /* Everything the bytes bring about, as text: "[W X]" a line, "!" HALT, "~" clear, "^" too long,
- * "<66>" a control. */
+ * "<66>" a control, "{24 T 7}" a frame: axis, command, length. */
 static const char *events_of(const char *bytes, size_t length)
 {
     static char out[4096];
@@ -22,6 +22,9 @@ static const char *events_of(const char *bytes, size_t length)
                 used += (size_t)sprintf(out + used, "[%.*s]", (int)line.length, line.text);
             else if (event == LINE_CONTROL)
                 used += (size_t)sprintf(out + used, "<%d>", line.control);
+            else if (event == LINE_FRAME)
+                used += (size_t)sprintf(out + used, "{%d %c %d}", line.frame[0], line.frame[1],
+                                        (int)line.frame_length);
             else
                 out[used++] = marks[event];
         }
@@ -121,16 +124,17 @@ TEST(takes_two_byte_controls_anywhere)
     EXPECT("W X\377A/\r", "<65>[/]");
 }
 
-TEST(consumes_binary_frames_until_told_otherwise)
+TEST(takes_binary_frames_until_told_otherwise)
 {
-    EXPECT("\377B\030T\003\240\206\001:W X\r\377AW Y\r", "<66><65>[W Y]");
-    EXPECT("\377B\030?\000:\032a\003::::\377A/\r", "<66><65>[/]");
+    EXPECT("\377B\030T\003\240\206\001:W X\r\377AW Y\r", "<66>{24 T 7}<65>[W Y]");
+    EXPECT("\377B\030?\000:\032a\003::::\377A/\r", "<66>{24 ? 4}{26 a 4}<65>[/]");
+    EXPECT("\377B\030D\003:::::\377A/\r", "<66>{24 D 7}<65>[/]");
 }
 
 TEST(takes_255_65_inside_a_frame_as_data)
 {
-    EXPECT("\377B\030T\003\377A\000:\377AW Y\r", "<66><65>[W Y]");
-    EXPECT("\377B\030T\004\377A\377A:/\r\377A/\r", "<66><65>[/]");
+    EXPECT("\377B\030T\003\377A\000:\377AW Y\r", "<66>{24 T 7}<65>[W Y]");
+    EXPECT("\377B\030T\004\377A\377A:/\r\377A/\r", "<66>{24 T 8}<65>[/]");
 }
 
 TEST(finds_255_65_behind_the_noise_of_a_frame_that_never_ends)
@@ -143,6 +147,8 @@ TEST(finds_255_65_behind_the_noise_of_a_frame_that_never_ends)
     EXPECT("\377Bab\377A/\r/\r", "<66><65>[/][/]");
     EXPECT("\377Bab\002\377A/\r/\r", "<66><65>[/][/]");
     EXPECT("\377Babc\377A/\r/\r", "<66><65>[/][/]");
+    EXPECT("\377BaT\004\r\377A\rW X\r", "<66><65>[W X]");
+    EXPECT("\377BaT\003\377A/\r/\r", "<66><65>[/][/]");
 }
 
 TEST(understands_controls_in_binary_mode)
@@ -158,7 +164,7 @@ TEST_MAIN(RUN(ends_a_line_at_carriage_return); RUN(says_nothing_to_an_empty_line
           RUN(does_not_halt_at_a_backslash_inside_a_line);
           RUN(runs_the_command_glued_behind_an_unterminated_halt);
           RUN(takes_what_follows_halt_and_a_blank_as_part_of_halt);
-          RUN(takes_two_byte_controls_anywhere); RUN(consumes_binary_frames_until_told_otherwise);
+          RUN(takes_two_byte_controls_anywhere); RUN(takes_binary_frames_until_told_otherwise);
           RUN(takes_255_65_inside_a_frame_as_data);
           RUN(finds_255_65_behind_the_noise_of_a_frame_that_never_ends);
           RUN(understands_controls_in_binary_mode))

@@ -75,11 +75,14 @@ TEST(every_initial_value_is_one_that_may_be_set)
     EACH_MODULE(m)
     EACH_PARAMETER(m, row)
     {
-        bool in_range = row->initial >= row->minimum && row->initial <= row->maximum;
+        for (unsigned axis = 0; axis < parameter_values(row); axis++) {
+            double initial = parameter_initial(row, axis);
+            bool in_range = initial >= row->minimum && initial <= row->maximum;
 
-        if (!row->read_only && row->value != NULL &&
-            (!in_range || (row->check != NULL && row->check(0, row->initial) != STATUS_OK)))
-            CHECK_FAIL("%s %c", row->command, row->letter);
+            if (!row->read_only && row->value != NULL &&
+                (!in_range || (row->check != NULL && row->check(axis, initial) != STATUS_OK)))
+                CHECK_FAIL("%s %c", row->command, row->letter);
+        }
     }
 }
 
