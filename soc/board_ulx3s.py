@@ -17,6 +17,8 @@ class Ulx3s(Board):
     led : Out(8)
         0 running, 1 power stages on, 2 emergency stop, 3 a limit reached, 4 and 5 serial bytes from and to the
         host; 6 and 7 dark.
+    analog : In(6)
+        Pins that are wired to inputs of the ADC; members so that the FPGA does not pull at them.
     wifi_en, wifi_en_v31 : Out(1)
         The board's ESP32 stays in reset: it shares pins with the FPGA.
     """
@@ -24,7 +26,8 @@ class Ulx3s(Board):
     package, speed = "CABGA381", "6"
     oscillator = "clk25", 25_000_000
     programmer = "ulx3s"
-    PINS = {"reset_button_n": In(1), "led": Out(8), "wifi_en": Out(1), "wifi_en_v31": Out(1)}
+    ecppack = "--freq", "38.8"          # MHz of the clock that reads the flash, which allows 50 for plain reads
+    PINS = {"reset_button_n": In(1), "led": Out(8), "analog": In(6), "wifi_en": Out(1), "wifi_en_v31": Out(1)}
 
     def system(self, m, clocks):
         m.d.comb += [

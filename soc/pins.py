@@ -8,14 +8,13 @@ symbolic links, and then one page.
 
 The dialect
 -----------
-The statements of LPF that nextpnr-ecp5 knows, one a line, with three kinds of comment that mean something:
+The statements of LPF that nextpnr-ecp5 knows, one a line, with two kinds of comment that mean something:
 
 ============================================================= =====================================================
 ``LOCATE COMP "port" SITE "ball"; # place | direction | what``  ``place`` is where on the board, ``direction`` ``in``,
                                                               ``out`` or ``inout``; ``, reserved`` behind it: allotted
                                                               for later, no port of the present top
 ``## name | title``                                           a group begins
-``#: place | analog | what``                                  a place that is used without the FPGA
 ============================================================= =====================================================
 
 Anything else behind ``#`` is text.  :func:`parse` raises :exc:`PinsError`, with the line, for what it does not know.
@@ -32,7 +31,7 @@ from pathlib import Path
 
 from amaranth.hdl import UnusedElaboratable
 
-__all__ = ["Analog", "Constraints", "Facts", "Pin", "PinsError", "Restriction", "boards", "package", "parse"]
+__all__ = ["Constraints", "Facts", "Pin", "PinsError", "Restriction", "boards", "package", "parse"]
 
 ROOT = Path(__file__).resolve().parent.parent
 DIRECTIONS = "in", "out", "inout"
@@ -69,21 +68,11 @@ class Pin:
         return int(self.name.partition("[")[2].rstrip("]") or 0)
 
 
-@dataclass(frozen=True)
-class Analog:
-    """A place that goes elsewhere than to the FPGA."""
-    place: str
-    what: str
-    group: str
-    line: int
-
-
 @dataclass
 class Constraints:
     """A parsed file.  ``groups`` are titles by name, ``buffers`` the settings of every IOBUF by name and
     ``clocks`` the frequencies in MHz."""
     pins: list = field(default_factory=list)
-    analog: list = field(default_factory=list)
     groups: dict = field(default_factory=dict)
     buffers: dict = field(default_factory=dict)
     clocks: dict = field(default_factory=dict)
@@ -104,11 +93,6 @@ def parse(text):
         if statement.startswith("##"):
             group, title = fields(statement[2:], line, 2)
             result.groups[group] = title
-        elif statement.startswith("#:"):
-            place, kind, what = fields(statement[2:], line, 3)
-            if kind != "analog":
-                raise PinsError(f"line {line}: only places that are analog stand alone, not {kind!r}")
-            result.analog.append(Analog(place, what, group, line))
         elif not statement or statement.startswith("#") or OTHER.fullmatch(statement):
             continue
         elif match := LOCATE.fullmatch(statement):
@@ -145,12 +129,11 @@ class Restriction:
 class Facts:
     """What is soldered, of one board.
 
-    ``places`` are the balls by place, ``analog`` what an analog place is called on the board, ``held`` the places
-    that the top must drive, with the reason.  ``fine_ports`` need a bank with fast input and output registers.
-    ``headers`` are rows of (left, right) pins, each (number, name), seen from above.
+    ``places`` are the balls by place, ``held`` the places that the top must drive, with the reason.  ``fine_ports``
+    need a bank with fast input and output registers.  ``headers`` are rows of (left, right) pins, each (number,
+    name), seen from above.
     """
     places: dict
-    analog: dict = field(default_factory=dict)
     restrictions: tuple = ()
     held: dict = field(default_factory=dict)
     fine_ports: tuple = ()

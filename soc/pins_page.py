@@ -20,21 +20,7 @@ SIDE, NAME_WIDTH = 22, 190
 
 def arrow(direction, left):
     """Toward the pin: into the FPGA.  ``left``: the name stands left of its pin."""
-    return {"in": "→" if left else "←", "out": "←" if left else "→", "inout": "↔", "analog": "~"}[direction]
-
-
-class Entries:
-    """What is at each place: (name, direction, group, reserved, what)."""
-
-    def __init__(self, constraints):
-        self.by_place = {pin.place: (pin.name, pin.direction, pin.group, pin.reserved, pin.what)
-                         for pin in constraints.pins}
-        for analog in constraints.analog:
-            name = analog.what.partition(",")[0]
-            self.by_place[analog.place] = name, "analog", analog.group, False, analog.what
-
-    def get(self, place):
-        return self.by_place.get(place)
+    return {"in": "→" if left else "←", "out": "←" if left else "→", "inout": "↔"}[direction]
 
 
 def render_page(constraints, board_file):
@@ -48,15 +34,15 @@ def render_page(constraints, board_file):
              f"Generated from `constraints/{board_file.name}.lpf` by `python -m soc.pins`; `make lint` fails if stale. "
              f"For {names}. Directions are as the FPGA sees them; *italic* is allotted for later.", ""]
     if facts and facts.headers:
-        entries = Entries(constraints)
+        at = {pin.place: pin for pin in constraints.pins}
         lines += [f"![The headers from above]({board_file.name}-pins.svg)", ""]
         for header, rows in facts.headers.items():
             lines += [f"## {header}, from above, USB sockets at the top", "",
                       "| signal | place | pin | pin | place | signal |", "|---:|---:|---:|:---|:---|:---|"]
             for (left, left_place), (right, right_place) in rows:
                 numbers |= {left_place: f"{header}-{left}", right_place: f"{header}-{right}"}
-                lines.append(f"| {signal(entries.get(left_place))} | {left_place} | {left} | {right} | {right_place} | "
-                             f"{signal(entries.get(right_place))} |")
+                lines.append(f"| {signal(at.get(left_place))} | {left_place} | {left} | {right} | {right_place} | "
+                             f"{signal(at.get(right_place))} |")
             lines.append("")
     for group, title in constraints.groups.items():
         lines += [f"## {title}", "", "| port | place | header pin | ball | bank | direction | undriven | what |",
@@ -65,26 +51,21 @@ def render_page(constraints, board_file):
             name = f"*{pin.name}*" if pin.reserved else f"`{pin.name}`"
             lines.append(f"| {name} | {pin.place} | {numbers.get(pin.place, '')} | {pin.ball} | {balls[pin.ball].bank} | "
                          f"{pin.direction} | {pin.settings['PULLMODE'].lower()} | {pin.what} |")
-        for analog in (a for a in constraints.analog if a.group == group):
-            lines.append(f"| | {analog.place} | {numbers.get(analog.place, '')} | | | analog | | {analog.what} |")
         lines.append("")
     return "\n".join(lines[:-1]) + "\n"
 
 
-def signal(entry):
-    if not entry:
-        return ""
-    name, _direction, _group, reserved, _what = entry
-    return f"*{name}*" if reserved else name
+def signal(pin):
+    return "" if not pin else f"*{pin.name}*" if pin.reserved else pin.name
 
 
 def render_drawing(constraints, facts):
     """The headers from above as SVG, each pin in the colour of its group."""
-    entries = Entries(constraints)
-    rows = max(len(rows) for rows in facts.headers.values())
-    top, used = 60, [g for g in constraints.groups if any(e[2] == g for p, e in entries.by_place.items()
-                                                          if p in on_headers(facts))]
-    legend = top + rows * PITCH + 30
+    at = {pin.place: pin for pin in constraints.pins}
+    drawn = {at[place].group for rows in facts.headers.values() for row in rows for _number, place in row if place in at}
+    used = [group for group in constraints.groups if group in drawn]
+    top = 60
+    legend = top + max(map(len, facts.headers.values())) * PITCH + 30
     width, height = 1080, legend + 30 * -(-len(used) // 3) + 40
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
            'font-family="sans-serif" font-size="13">',
@@ -96,38 +77,34 @@ def render_drawing(constraints, facts):
             y = top + row * PITCH
             for left, (number, place) in zip((True, False), pins):
                 x = x0 + (0 if left else SIDE + 4)
-                out += pin_drawing(x, y, number, place, entries.get(place), left)
+                out += pin_drawing(x, y, number, place, at.get(place), left)
     out.append(text(width / 2 - 40, top - 40, "USB sockets at the top; seen from above", anchor="middle", size=12))
     for i, group in enumerate(used):
         x, y = 60 + 340 * (i % 3), legend + 30 * (i // 3)
         out.append(f'<rect x="{x}" y="{y - 12}" width="16" height="16" fill="{COLOURS.get(group, OTHER_COLOUR)}"/>')
         title = constraints.groups[group].partition(":")[0]
         out.append(text(x + 24, y + 1, title, size=13))
-    out.append(text(60, height - 16, "Arrow toward the pin: into the FPGA; ~ to the ADC.  Pale and italic: allotted for later.", size=12))
+    out.append(text(60, height - 16, "Arrow toward the pin: into the FPGA.  Pale and italic: allotted for later.", size=12))
     return "\n".join([*out, "</svg>"]) + "\n"
 
 
-def on_headers(facts):
-    return {place for rows in facts.headers.values() for row in rows for _number, place in row}
-
-
-def pin_drawing(x, y, number, place, entry, left):
+def pin_drawing(x, y, number, place, pin, left):
     """One square with its number, its place outside, and its signal farther outside."""
     dark = place == "GND"
     fill, opacity = GROUND_COLOUR if dark else SUPPLY_COLOUR, 1
-    if entry:
-        fill, opacity = COLOURS.get(entry[2], OTHER_COLOUR), 0.35 if entry[3] else 1
-        dark = not entry[3]
+    if pin:
+        fill, opacity = COLOURS.get(pin.group, OTHER_COLOUR), 0.35 if pin.reserved else 1
+        dark = not pin.reserved
     out = [f'<rect x="{x}" y="{y}" width="{SIDE}" height="{SIDE}" fill="{fill}" fill-opacity="{opacity}" '
            'stroke="#222222"/>',
            text(x + SIDE / 2, y + SIDE / 2 + 4, str(number), anchor="middle", size=10,
                 colour="#ffffff" if dark else "#222222")]
     edge, step, anchor = (x - 6, -1, "end") if left else (x + SIDE + 6, 1, "start")
     out.append(text(edge, y + SIDE / 2 + 4, place, anchor=anchor, size=11, colour="#555555"))
-    if entry:
-        label = arrow(entry[1], left)
-        name = f"{entry[0]} {label}" if left else f"{label} {entry[0]}"
-        out.append(text(edge + step * 36, y + SIDE / 2 + 5, name, anchor=anchor, style="italic" if entry[3] else None))
+    if pin:
+        label = arrow(pin.direction, left)
+        name = f"{pin.name} {label}" if left else f"{label} {pin.name}"
+        out.append(text(edge + step * 36, y + SIDE / 2 + 5, name, anchor=anchor, style="italic" if pin.reserved else None))
     return out
 
 

@@ -16,8 +16,8 @@ FINE_BANKS = 2, 3, 6, 7
 """Left and right: the banks that have IDDRX2F and ODDRX2F (FPGA-TN-02035, "ECP5 and ECP5-5G High-Speed I/O Interface")."""
 
 PULLS = {"pwm": "DOWN", "motor_enable": "DOWN",
-         "estop": "UP", "limit_lower": "UP", "limit_upper": "UP", "fault": "UP"}
-"""What an undriven pin has to read or drive, by port: nothing moves, and a broken wire stops."""
+         "estop": "UP", "limit_lower": "UP", "limit_upper": "UP", "fault_n": "DOWN", "analog": "NONE"}
+"""What an undriven pin has to read or drive, by port: nothing moves, a broken wire stops, no voltage is falsified."""
 
 SETTINGS = {"PULLMODE": ("UP", "DOWN", "NONE"), "IO_TYPE": None, "HYSTERESIS": ("ON",),
             "DRIVE": ("4", "8", "12", "16"), "SLEWRATE": ("SLOW", "FAST")}
@@ -47,7 +47,7 @@ class Case:
 def names_and_balls_are_used_once(case):
     pins = case.constraints.pins
     for word, values in ("port", [p.name for p in pins]), ("ball", [p.ball for p in pins]), (
-            "place", [p.place for p in pins] + [a.place for a in case.constraints.analog]):
+            "place", [p.place for p in pins]):
         for value, count in Counter(values).items():
             if count > 1:
                 yield f"{word} {value} is allotted {count} times"
@@ -110,7 +110,7 @@ def pulls_are_safe(case):
     for pin in case.constraints.pins:
         wanted = PULLS.get(pin.port)
         if wanted and pin.settings.get("PULLMODE") != wanted:
-            yield f"{pin.name} must have PULLMODE={wanted}, so that nothing moves when nobody drives it"
+            yield f"{pin.name} must have PULLMODE={wanted}: nothing moves, and a wire that breaks stops or says so"
 
 
 def clocks_are_at_clock_pins(case):
@@ -132,9 +132,6 @@ def places_have_the_balls_they_are_said_to_have(case):
                 yield f"{pin.name}: the board has no place {pin.place!r}"
             elif case.facts.places[pin.place] != pin.ball:
                 yield f"{pin.name}: {pin.place} is ball {case.facts.places[pin.place]}, not {pin.ball}"
-        for analog in case.constraints.analog:
-            if analog.place not in case.facts.analog:
-                yield f"{analog.place} is no analog place of the board"
 
 
 def nothing_is_in_conflict_on_the_board(case):

@@ -12,9 +12,6 @@ from soc.pins import Facts, Restriction
 
 __all__ = ["FACTS"]
 
-ADC_INPUTS = {"gn14": "AIN0", "gp14": "AIN1", "gn15": "AIN2", "gp15": "AIN3",
-              "gn16": "AIN4", "gp16": "AIN5", "gn17": "AIN6", "gp17": "AIN7"}
-
 
 def pairs(*numbers):
     return frozenset(f"g{side}{n}" for n in numbers for side in "pn")
@@ -65,7 +62,8 @@ def header(first, last, *, left, right, top, middle, bottom, falling):
 J1_SUPPLY, SUPPLY, GROUND = ("VCCIO", "VCCIO"), ("3V3", "3V3"), ("GND", "GND")
 
 RESTRICTIONS = (
-    Restriction(pairs(14, 15, 16), "inputs AIN0 to AIN5 of the ADC, kept for joystick and detectors"),
+    Restriction(pairs(14, 15, 16), "inputs AIN0 to AIN5 of the ADC, kept for joystick and detectors", groups=("adc",),
+                directions=("in",)),
     Restriction(pairs(17), "inputs AIN6 and AIN7 of the ADC: edges here are noise in the others, so slow contacts only",
                 groups=("panel",), directions=("in",)),
     Restriction(pairs(11, 12), "the ESP32 (GPIO26, 25, 33, 32) can drive them until the FPGA is configured and holds it "
@@ -80,7 +78,6 @@ RESTRICTIONS = (
 
 FACTS = Facts(
     places=places(),
-    analog=ADC_INPUTS,
     restrictions=RESTRICTIONS,
     held={"ESP32 EN": "the ESP32 shares gp/gn 11 to 13 and must be held in reset",
           "ESP32 EN v3.1": "the ESP32 of PCB 3.1.x must be held in reset"},
