@@ -9,7 +9,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "adc.h"
 #include "axis.h"
+#include "panel.h"
 #include "parameters.h"
 
 namespace {
@@ -52,10 +54,18 @@ struct board {
     std::vector<board_edge> edges; /* of the running step, in order of time */
     size_t next_edge = 0;
     struct board_pins pins{};
+    plant::Panel panel;
+    plant::Adc adc;
+    double contact_bounce_ps, knob_bounce_ps;
+    int knob_place[BOARD_KNOBS] = {}; /* after all that it was told to turn */
 
     explicit board(const plant::Parameters &parameters)
-        : step_ps(whole_step_ps(parameters)), step_end_ps(step_ps), next_ps(step_ps)
+        : step_ps(whole_step_ps(parameters)), step_end_ps(step_ps), next_ps(step_ps),
+          contact_bounce_ps(parameters.contact_bounce_ms * 1e9), knob_bounce_ps(parameters.knob_bounce_us * 1e6)
     {
+        pins.adc_miso = 1;
+        for (unsigned channel = 0; channel < BOARD_CHANNELS; channel++)
+            adc.set_input(channel, 0.5);
         for (const plant::AxisParameters &axis : parameters.axis) {
             plant::Axis made(axis, double(step_ps) * 1e-12);
             axes.push_back({made, {}, made.end_count()});
@@ -78,7 +88,12 @@ struct board {
 
     bool next(board_edge *edge)
     {
-        const bool is_edge = next_edge < edges.size();
+        const bool is_edge = next_edge < edges.size() && edges[next_edge].time_ps == next_ps;
+        if (panel.next_ps() == next_ps) {
+            panel.next();
+            plan();
+            return false;
+        }
         if (is_edge) {
             const board_edge &now = edges[next_edge++];
             axes[now.axis].count = now.count;
@@ -88,8 +103,23 @@ struct board {
         } else {
             end_step();
         }
-        next_ps = next_edge < edges.size() ? edges[next_edge].time_ps : step_end_ps;
+        plan();
         return is_edge;
+    }
+
+    void plan()
+    {
+        next_ps = std::min(next_edge < edges.size() ? edges[next_edge].time_ps : step_end_ps, panel.next_ps());
+    }
+
+    void turn(int64_t time_ps, unsigned knob, int step)
+    {
+        const int before = knob_place[knob] & 3, after = (before + step) & 3;
+        knob_place[knob] = after;
+        /* Places 0, 1, 2, 3 are A B = 00, 10, 11, 01: one contact moves. */
+        const bool a = after == 1 || after == 2, b = after >= 2, a_moves = a != (before == 1 || before == 2);
+        panel.contact(time_ps, a_moves ? pins.knob_a : pins.knob_b, knob, a_moves ? a : b, knob_bounce_ps);
+        plan();
     }
 
     /** The running step was settled when it began; its drive now settles the next. */
@@ -216,6 +246,37 @@ void board_set_input(struct board *board, enum board_input input, int level)
 {
     uint8_t *const pin[] = {&board->pins.estop, &board->pins.in0, &board->pins.in1};
     *pin[input] = level != 0;
+}
+
+void board_set_contact(struct board *board, int64_t time_ps, enum board_contact contact, int level)
+{
+    const bool wire = contact == BOARD_JOYSTICK_WIRE;
+    board->panel.contact(time_ps, wire ? board->pins.joystick_button : board->pins.button, wire ? 0 : contact,
+                         level != 0, board->contact_bounce_ps);
+    board->plan();
+}
+
+void board_set_dip(struct board *board, unsigned levels)
+{
+    board->pins.dip = uint8_t(levels & 0xf);
+}
+
+void board_turn_knob(struct board *board, int64_t time_ps, unsigned knob, int edges, int64_t interval_ps)
+{
+    for (; edges != 0; edges += edges > 0 ? -1 : 1, time_ps += interval_ps)
+        board->turn(time_ps, knob, edges > 0 ? 1 : -1);
+}
+
+void board_set_analog(struct board *board, unsigned channel, double level)
+{
+    board->adc.set_input(channel, level);
+}
+
+void board_adc_pins(struct board *board, int64_t time_ps, int cs_n, int sck, int mosi)
+{
+    board->panel.put(time_ps + plant::Adc::DELAY_PS, board->pins.adc_miso, 0,
+                     board->adc.pins(cs_n != 0, sck != 0, mosi != 0));
+    board->plan();
 }
 
 void board_cut_pwm(struct board *board, unsigned axes)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /**
- * The simulated board: four axes of motor, lead screw, friction, encoder and switches, and the input pins.
+ * The simulated board: four axes of motor, lead screw, friction, encoder and switches; buttons, knobs, DIP switches
+ * and analog inputs; the other input pins.
  *
  * One model for the Verilated gateware, the firmware's host build and the tests. Motors are integrated on a fixed
  * grid (the plant step, 5 us): a step takes the mean of the drive over the step before it. Within a step the
@@ -34,6 +35,12 @@ struct board_pins {
     uint8_t estop; /**< 1: drives off. */
     uint8_t in0;
     uint8_t in1;
+    uint8_t button; /**< 1: pressed. Bit n is board_contact n; they bounce. */
+    uint8_t joystick_button;
+    uint8_t dip; /**< 1: on. Bits 0 to 3: switches 4, 5, 7, 8. */
+    uint8_t knob_a; /**< Bit n: knob n. */
+    uint8_t knob_b;
+    uint8_t adc_miso; /**< From the converter. */
 };
 
 /** One encoder edge. */
@@ -44,6 +51,8 @@ struct board_edge {
     int8_t direction; /**< +1 or -1. */
 };
 
+enum board_contact { BOARD_AT, BOARD_HOME, BOARD_ZERO, BOARD_JOYSTICK, BOARD_JOYSTICK_WIRE };
+enum { BOARD_KNOBS = 3, BOARD_CHANNELS = 8 };
 enum board_input { BOARD_ESTOP, BOARD_IN0, BOARD_IN1 };
 enum board_wire { BOARD_WIRE_A, BOARD_WIRE_B, BOARD_WIRE_Z };
 
@@ -70,12 +79,15 @@ void board_drive(struct board *board, int64_t time_ps, unsigned axis, double dri
 /** The same for all axes from the levels of the pins. A disabled bridge brakes. */
 void board_drive_pins(struct board *board, int64_t time_ps, unsigned pwm, unsigned dir, int motor_enable);
 
+/** The converter's pins, from the controller. adc_miso follows 15.5 ns later. */
+void board_adc_pins(struct board *board, int64_t time_ps, int cs_n, int sck, int mosi);
+
 /* -- Time -------------------------------------------------------------------------------------------------- */
 
-/** When the next thing happens: an encoder edge, or the end of the plant step. */
+/** When the next thing happens: an encoder edge, a change of another pin, or the end of the plant step. */
 int64_t board_next_ps(const struct board *board);
 
-/** Let it happen. Returns 1 and fills `edge` (if not NULL) for an encoder edge, 0 for the end of a step. */
+/** Let it happen. Returns 1 and fills `edge` (if not NULL) for an encoder edge, 0 for anything else. */
 int board_next(struct board *board, struct board_edge *edge);
 
 /** Let everything happen up to and including `time_ps`. */
@@ -96,6 +108,21 @@ double board_speed_counts_per_s(const struct board *board, unsigned axis, int64_
 /* -- Hands on the board ------------------------------------------------------------------------------------ */
 
 void board_set_input(struct board *board, enum board_input input, int level);
+
+/** Press or release a button at a time to come; it bounces for up to contact_bounce_ms. */
+void board_set_contact(struct board *board, int64_t time_ps, enum board_contact contact, int level);
+
+/** The DIP switches, as in board_pins. */
+void board_set_dip(struct board *board, unsigned levels);
+
+/**
+ * Turn a knob by so many edges, upward or downward, one every `interval_ps` from `time_ps` on; each bounces for up to
+ * knob_bounce_us. To be done before it is turned again.
+ */
+void board_turn_knob(struct board *board, int64_t time_ps, unsigned knob, int edges, int64_t interval_ps);
+
+/** Level of an analog input, 0 to 1 of the range. A joystick in the middle is 0.5. */
+void board_set_analog(struct board *board, unsigned channel, double level);
 
 /** Cut the PWM wires of these axes (bit mask): their drive is 0 from the next plant step on, whatever comes. */
 void board_cut_pwm(struct board *board, unsigned axes);

@@ -8,18 +8,20 @@ from tb.board import plant
 from tb.board.library import build
 
 HERE = Path(__file__).parent
-SOURCES = [HERE / name for name in ("board.cpp", "axis.cpp", "parameters.cpp")]
-HEADERS = [HERE / name for name in ("board.h", "axis.h", "parameters.h")]
+SOURCES = [HERE / name for name in ("board.cpp", "adc.cpp", "axis.cpp", "panel.cpp", "parameters.cpp")]
+HEADERS = [HERE / name for name in ("board.h", "adc.h", "axis.h", "panel.h", "parameters.h")]
 
 AXIS_COUNT = 4
 INPUTS = {"estop": 0, "in0": 1, "in1": 2}
+CONTACTS = {"at": 0, "home": 1, "zero": 2, "joystick": 3, "joystick_wire": 4}
 WIRES = {"a": 0, "b": 1, "z": 2}
 
 
 class Pins(ctypes.Structure):
     """``struct board_pins``; bit n of a mask belongs to axis n."""
     _fields_ = [(name, ctypes.c_uint8) for name in (
-        "enc_a", "enc_b", "enc_z", "limit_lower", "limit_upper", "estop", "in0", "in1")]
+        "enc_a", "enc_b", "enc_z", "limit_lower", "limit_upper", "estop", "in0", "in1", "button", "joystick_button",
+        "dip", "knob_a", "knob_b", "adc_miso")]
 
 
 class Edge(ctypes.Structure):
@@ -43,7 +45,12 @@ def declare(library):
         ("count", c.c_int64, board, c.c_uint),
         ("position_counts", c.c_double, board, c.c_uint, c.c_int64),
         ("speed_counts_per_s", c.c_double, board, c.c_uint, c.c_int64),
+        ("adc_pins", None, board, c.c_int64, c.c_int, c.c_int, c.c_int),
         ("set_input", None, board, c.c_int, c.c_int),
+        ("set_contact", None, board, c.c_int64, c.c_int, c.c_int),
+        ("set_dip", None, board, c.c_uint),
+        ("turn_knob", None, board, c.c_int64, c.c_uint, c.c_int, c.c_int64),
+        ("set_analog", None, board, c.c_uint, c.c_double),
         ("cut_pwm", None, board, c.c_uint),
         ("stick_wire", None, board, c.c_uint, c.c_int, c.c_int),
     ):
@@ -58,9 +65,30 @@ class Hands:
     Needs ``self._library`` (declared), ``self._board`` (handle) and ``self.time_ps``.
     """
 
+    @property
+    def pins(self):
+        """The levels now, a :class:`Pins` that follows them."""
+        return self._library.board_pins(self._board).contents
+
     def set_input(self, name, level):
         """Set ``estop``, ``in0`` or ``in1``."""
         self._library.board_set_input(self._board, INPUTS[name], level)
+
+    def set_button(self, name, level):
+        """Press or release ``at``, ``home``, ``zero``, ``joystick`` or ``joystick_wire``, now; it bounces."""
+        self._library.board_set_contact(self._board, self.time_ps, CONTACTS[name], level)
+
+    def set_dip(self, levels):
+        """DIP switches 4, 5, 7, 8 as bits 0 to 3, 1 = on."""
+        self._library.board_set_dip(self._board, levels)
+
+    def turn_knob(self, knob, edges, *, interval_ps):
+        """Turn knob 0 (control), 1 (X) or 2 (Y) by edges, one every ``interval_ps`` from now on."""
+        self._library.board_turn_knob(self._board, self.time_ps, knob, edges, interval_ps)
+
+    def set_analog(self, channel, level):
+        """Level of analog input 0 to 7, 0 to 1; they start in the middle."""
+        self._library.board_set_analog(self._board, channel, level)
 
     def cut_pwm(self, axes=range(AXIS_COUNT)):
         """Cut the PWM wires of these axes; ``()`` mends them all."""
@@ -121,8 +149,3 @@ class Board(Hands):
                 self.time_ps = next_ps
                 yield edge
         self.time_ps = end_ps
-
-    @property
-    def pins(self):
-        """The levels now, a :class:`Pins` that follows them."""
-        return self._library.board_pins(self._board).contents

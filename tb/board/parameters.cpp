@@ -16,7 +16,9 @@ const char *const AXIS_NAMES[BOARD_AXES] = {"x", "y", "z", "f"};
 /** Where each name's value goes. */
 std::map<std::string, double *> places(Parameters &parameters)
 {
-    std::map<std::string, double *> place{{"plant_step_ns", &parameters.plant_step_ns}};
+    std::map<std::string, double *> place{{"plant_step_ns", &parameters.plant_step_ns},
+                                          {"contact_bounce_ms", &parameters.contact_bounce_ms},
+                                          {"knob_bounce_us", &parameters.knob_bounce_us}};
     for (int n = 0; n < BOARD_AXES; n++) {
         AxisParameters &axis = parameters.axis[n];
         const std::string prefix = std::string(AXIS_NAMES[n]) + ".";

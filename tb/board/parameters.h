@@ -10,6 +10,7 @@ namespace plant {
 
 struct Parameters {
     double plant_step_ns;
+    double contact_bounce_ms, knob_bounce_us;
     AxisParameters axis[BOARD_AXES];
 };
 

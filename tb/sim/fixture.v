@@ -6,14 +6,17 @@
 //   serial            every byte received is sent back, plus one
 //   sync_out          X's count (from its own two-flip-flop decoder) is above 100
 //   encoder_out       A of X, two fast flip-flops late;  out0: in0, likewise
+//   adc_mosi          button[2], one clk late;  adc_cs_n, adc_sck: low
 //   cpu_asleep        high except for one clk in sixteen, low with estop
 //   dir[2]            toggles every 16 edges of cpu_clk
 module abbe (
     input clk, rst, fast_clk, fast_rst, cpu_clk, cpu_rst,
     input [3:0] enc_a, enc_b, enc_z, limit_lower, limit_upper,
-    input estop, in0, in1, serial_rx,
+    input estop, in0, in1, serial_rx, joystick_button, adc_miso,
+    input [3:0] button, dip, input [2:0] knob_a, knob_b,
     output reg [3:0] pwm, output reg [3:0] dir, output reg motor_enable,
-    output out0, output sync_out, output encoder_out, output reg serial_tx, output cpu_asleep
+    output out0, output sync_out, output encoder_out, output reg serial_tx, output cpu_asleep,
+    output adc_cs_n, adc_sck, output reg adc_mosi
 );
     localparam PERIOD = 2500, DIVISOR = 434;
 
@@ -26,6 +29,8 @@ module abbe (
     end
 
     reg [31:0] work;
+    assign {adc_cs_n, adc_sck} = 0;
+    always @(posedge clk) adc_mosi <= button[2];
 
     // Drive.
     reg [11:0] phase;

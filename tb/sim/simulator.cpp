@@ -54,6 +54,7 @@ struct sim {
     uint64_t awake_clocks = 0;
 
     uint32_t levels = 0;
+    uint32_t converter = 0; /* pins of the analog-to-digital converter */
     uint32_t recorded = 0;
     uint32_t stop_rise = 0, stop_fall = 0;
     bool stop = false;
@@ -115,6 +116,12 @@ struct sim {
         top->estop = pins.estop;
         top->in0 = pins.in0;
         top->in1 = pins.in1;
+        top->button = pins.button;
+        top->joystick_button = pins.joystick_button;
+        top->dip = pins.dip;
+        top->knob_a = pins.knob_a;
+        top->knob_b = pins.knob_b;
+        top->adc_miso = pins.adc_miso;
         top->serial_rx = serial.level();
         const uint32_t now = uint32_t(pins.enc_a) << SIM_ENC_A | uint32_t(pins.enc_b) << SIM_ENC_B |
                              uint32_t(pins.enc_z) << SIM_ENC_Z | uint32_t(pins.estop) << SIM_ESTOP |
@@ -172,6 +179,18 @@ struct sim {
         plan();
     }
 
+    uint32_t controller_converter() const
+    {
+        return uint32_t(top->adc_cs_n) << 2 | uint32_t(top->adc_sck) << 1 | top->adc_mosi;
+    }
+
+    void converter_changed(int64_t time_ps)
+    {
+        converter = controller_converter();
+        board_adc_pins(stage, time_ps, top->adc_cs_n, top->adc_sck, top->adc_mosi);
+        plan();
+    }
+
     void evaluate() { Vabbe___024root___eval(top->rootp); }
 
     template <bool SYNC> void fast_edge(int64_t time_ps)
@@ -189,6 +208,8 @@ struct sim {
             const uint32_t now = controller_sync();
             if ((levels ^ now) & CONTROLLER_SYNC)
                 controller_changed(time_ps, now);
+            if (controller_converter() != converter)
+                converter_changed(time_ps);
         }
         const uint32_t now = controller_fast();
         if ((levels ^ now) & CONTROLLER_FAST)

@@ -92,6 +92,19 @@ def test_the_encoder_moves_only_as_the_pwm_pins_drive_the_board(make):
     assert sim.count(1) == alone.count(1) < -100
 
 
+def test_buttons_reach_the_controller_and_its_pins_the_converter(make):
+    """The stand-in shows ZERO on the converter's data pin: the converter, selected all the time, pulls its own low."""
+    sim = make()
+    sim.run(US)
+    assert sim.pins.adc_miso == 1
+    sim.set_button("home", 1)
+    sim.run(10 * MS)
+    assert (sim.pins.button, sim.pins.adc_miso) == (2, 1)
+    sim.set_button("zero", 1)
+    sim.run(10 * MS)
+    assert (sim.pins.button, sim.pins.adc_miso) == (6, 0)
+
+
 def test_an_input_is_seen_by_the_first_fast_edge_after_it(make):
     sim = make(on=(2000, 0))
     sim.record("x_a", "encoder")
