@@ -37,7 +37,7 @@ struct event {
     uint64_t time_fast; /* when it happened, in fast clocks (5 ns) since reset */
 };
 
-enum { EVENT_HOOKS_MAX = 6, EVENT_QUEUE = 32 };
+enum { EVENT_HOOKS_MAX = 10, EVENT_QUEUE = 32 };
 
 enum event_context { EVENT_IN_MAIN, EVENT_IN_INTERRUPT };
 

@@ -18,6 +18,11 @@ double coordinates_counts_per_mm(unsigned axis)
     return counts_per_mm[axis];
 }
 
+double coordinates_units_per_mm(unsigned axis)
+{
+    return units_per_mm[axis];
+}
+
 bool coordinates_mirrored(unsigned axis)
 {
     return units_per_mm[axis] < 0;

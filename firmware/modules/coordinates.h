@@ -25,6 +25,9 @@ extern const struct module coordinates_module;
 /** CNTS, above 0. */
 double coordinates_counts_per_mm(unsigned axis);
 
+/** UM, not 0. */
+double coordinates_units_per_mm(unsigned axis);
+
 /** UM is negative: a growing user coordinate is a falling count. */
 bool coordinates_mirrored(unsigned axis);
 

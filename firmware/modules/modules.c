@@ -12,12 +12,14 @@
 #include "modules/low_level.h"
 #include "modules/motion.h"
 #include "modules/move.h"
+#include "modules/ring_buffer.h"
 #include "modules/scan.h"
 #include "modules/settings.h"
 #include "modules/status.h"
 #include "modules/ttl.h"
 #include "modules/tuning.h"
 #include "modules/verbose.h"
+#include "modules/z_stack.h"
 
 /* Start-up runs `init` in this order, and each turn of the main loop `poll`. */
 const struct module *const firmware_modules[] = {
@@ -28,6 +30,8 @@ const struct module *const firmware_modules[] = {
     &move_module,
     &status_module,
     &ttl_module,
+    &ring_buffer_module,
+    &z_stack_module,
     &scan_module,
     &letters_module,
     &low_level_module,
@@ -41,5 +45,9 @@ const struct module *const firmware_modules[] = {
 
 /* First come, first asked. */
 const struct claim firmware_claims[] = {
+    {ACTION_RING_NEXT, ttl_trigger},
+    {ACTION_AT_SHORT, ring_buffer_button_next},
+    {ACTION_JOYSTICK_LONG, ring_buffer_button_store},
+    {ACTION_HOME_LONG, ring_buffer_button_clear},
     {0},
 };

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/action.h"
 #include "core/events.h"
 #include "core/fault.h"
 #include "host/mmio.h"
@@ -59,6 +60,8 @@ void machine_start(void)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
     limits_open();
+    events_set_clock(axis_time_fast);
+    action_init(firmware_claims);
     port_start(firmware_modules);
     machine_run(10);
 }

@@ -91,14 +91,16 @@ TEST(raw_channel_is_that_of_the_fast_axis_or_as_jumpered)
 TEST(modes_that_are_not_built_are_refused)
 {
     stage_start();
-    SEND("TTL X=2", ":N-4\r\n");
+    SEND("TTL X=3", ":N-4\r\n");
     SEND("TTL X=-1", ":N-4\r\n");
-    SEND("TTL Y=2", ":N-4\r\n");
+    SEND("TTL X=99", ":N-4\r\n");
+    SEND("TTL Y=7", ":N-4\r\n");
+    SEND("TTL Y=-1", ":N-4\r\n");
     SEND("TTL Y=9 40", ":N-2\r\n");
     SEND("TTL F=0", ":N-4\r\n");
     SEND("TTL F=2", ":N-4\r\n");
     SEND("TTL Q=1", ":N-2\r\n");
-    SEND("TTL Y=0 X=5", ":N-4\r\n"); /* all or nothing */
+    SEND("TTL Y=0 X=6", ":N-4\r\n"); /* all or nothing */
     SEND("TTL X? Y? F?", ":A X=0 Y=1 F=1\r\n");
     ROUTES(HIGH, PIXEL);
 }

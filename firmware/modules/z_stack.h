@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/** Z-stack: slices of the focus axis, one a pulse at IN0 (TTL X=4). ZS. */
+#ifndef MODULES_Z_STACK_H
+#define MODULES_Z_STACK_H
+
+#include "core/module.h"
+
+extern const struct module z_stack_module;
+
+/** A pulse: the first goes to the first slice, each further one to the next. */
+void z_stack_step(void);
+
+#endif
