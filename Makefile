@@ -28,6 +28,9 @@ demo: $(READY) ## Scan one line on the simulated controller and measure its pins
 sim: $(READY) ## The simulated controller with its serial port on a pty
 	@$(PYTHON) -m tb.sim.pty $(ARGS)
 
+twin: $(READY) ## The virtual controller at real time, on a pty and a TCP port [SPEED= ARGS=: docs/twin.md]
+	@exec $(PYTHON) -m tb.twin $(if $(SPEED),--speed $(SPEED)) $(ARGS)
+
 jitter: $(READY) ## Measure SYNC and pixel clock in a recording: make jitter FILE=capture.vcd [ARGS=...]
 	@test -n "$(FILE)" || { echo "usage: make jitter FILE=<recording.vcd|.csv> [ARGS='--n 24 ...']"; exit 2; }
 	@$(PYTHON) -m host.jitter "$(FILE)" $(ARGS)

@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "gateware.h"
+
+#include <algorithm>
+
+namespace twin {
+
+Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build)
+    : identity_(build.build_id), bus_fault_(outputs), inputs_(pins), serial_(outputs), timer_(outputs, build.timer),
+      pwm_(outputs, snapshot_, pins), snapshot_(pwm_, quadrature_, build.time), line_(outputs, quadrature_),
+      quadrature_{{line_, 0, pins}, {line_, 1, pins}, {line_, 2, pins}, {line_, 3, pins}}, pins_(pins)
+{
+    add(identity_, REG_IDENTITY_MAGIC, REG_IDENTITY_FAST_CLOCK_HZ);
+    add(bus_fault_, REG_BUS_FAULT, REG_BUS_ADDRESS);
+    add(inputs_, REG_INPUTS_LEVELS, REG_INPUTS_LEVELS);
+    add(serial_, REG_SERIAL_DATA, REG_SERIAL_INTERRUPT_ENABLE);
+    add(timer_, REG_TIMER_COUNT, REG_TIMER_INTERRUPT);
+    add(pwm_, REG_PWM_DUTY0, REG_PWM_DUTY_DELAY);
+    add(snapshot_, REG_SNAPSHOT_CONTROL, REG_SNAPSHOT_SAMPLE_TIME_HIGH);
+    add(snapshot_, REG_SNAPSHOT_SAMPLE_POSITION0, REG_SNAPSHOT_SAMPLE_POSITION3);
+    add(line_, REG_COMPARE_CONFIG, REG_COMPARE_INTERRUPT);
+    add(line_, REG_DIVIDER_AXIS, REG_DIVIDER_MERGED);
+    add(line_, REG_ROUTER_OUT0, REG_ROUTER_ENCODER);
+    for (unsigned n = 0; n < AXES; n++)
+        add(quadrature_[n], REG_QUADRATURE_CONFIG + n * REG_QUADRATURE_STRIDE,
+            REG_QUADRATURE_INDEX_POSITION + n * REG_QUADRATURE_STRIDE);
+    plan();
+}
+
+/** A block has the registers `first` to `last`. */
+void Gateware::add(Block &block, uint32_t first, uint32_t last)
+{
+    if (std::find(blocks_.begin(), blocks_.end(), &block) == blocks_.end())
+        blocks_.push_back(&block);
+    for (uint32_t address = first; address <= last && address >= first; address += 4)
+        by_word_[(address - FIRST) / 4] = &block;
+}
+
+bool Gateware::has(uint32_t address) const
+{
+    return address >= FIRST && address % 4 == 0 && by_word_[(address - FIRST) / 4] != nullptr;
+}
+
+uint32_t Gateware::read(uint32_t address, Time edge)
+{
+    const uint32_t value = by_word_[(address - FIRST) / 4]->read(address, edge);
+    plan();
+    return value;
+}
+
+void Gateware::write(uint32_t address, uint32_t value, Time edge)
+{
+    write_ = {edge + SYNC, by_word_[(address - FIRST) / 4], address, value};
+    plan();
+}
+
+void Gateware::refuse(uint32_t address, Time edge)
+{
+    write_ = {edge + SYNC, nullptr, address, 0};
+    plan();
+}
+
+void Gateware::input(Time edge, uint64_t pins)
+{
+    const uint64_t changed = pins ^ pins_;
+    pins_ = pins;
+    for (Block *block : blocks_)
+        block->input(edge, changed, pins);
+    plan();
+}
+
+void Gateware::run(Time edge)
+{
+    for (Block *block : blocks_)
+        if (block->next() == edge)
+            block->run(edge);
+    if (write_.at == edge) {
+        write_.at = NEVER;
+        if (write_.block)
+            write_.block->write(write_.address, write_.value, edge);
+        else
+            bus_fault_.refuse(write_.address, edge);
+    }
+    plan();
+}
+
+void Gateware::plan()
+{
+    next_ = write_.at;
+    for (const Block *block : blocks_)
+        next_ = std::min(next_, block->next());
+}
+
+} // namespace twin

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The controller on its board: the gateware's model, the board's, and the host's end of the serial line, on one clock.
+ *
+ * Time passes when the processor accesses a register and when it is told to; never by itself.
+ */
+#ifndef TWIN_MACHINE_H
+#define TWIN_MACHINE_H
+
+#include "../board/board.h"
+#include "../board/serial_line.h"
+#include "gateware.h"
+
+namespace twin {
+
+class Machine final : private Outputs {
+public:
+    static constexpr int64_t FAST_PS = 1000000000000 / FAST_CLOCK_HZ;
+
+    /** Powered up on a board, which stays the caller's. */
+    explicit Machine(struct board *board);
+
+    /** The next edge: everything before it has happened. */
+    Time now() const { return now_; }
+    int64_t now_ps() const { return now_ * FAST_PS; }
+
+    /** A register access of the processor; takes as long as on the soft core, in the mean. */
+    uint32_t read(uint32_t address);
+    void write(uint32_t address, uint32_t value);
+
+    /** Let time pass up to an edge, or, with `interrupts` (a mask of lines), until one of these is high. */
+    void advance(Time edge, uint32_t interrupts = 0);
+
+    /** Levels of the interrupt lines. */
+    uint32_t interrupts() const { return uint32_t(levels >> INTERRUPT); }
+
+    /* The host's end of the serial line, which has the bit rate that the firmware sets. */
+    void send(uint8_t byte);
+    size_t unsent() const { return line_.unsent(); }
+    bool receive(uint8_t &byte);
+
+private:
+    void changed(Time edge, uint64_t pins) override;
+    uint64_t pins() const;
+    void happen();
+    void plan();
+
+    struct board *const board_;
+    SerialLine line_;
+    Gateware gateware_;
+    Time now_ = 0;
+    Time outside_ = NEVER; /* the edge that is the first to see what happens next on the board or the line */
+};
+
+} // namespace twin
+
+#endif

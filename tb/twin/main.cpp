@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The virtual controller: the firmware's own sources over the model of the gateware and the board, at real time.
+ *
+ *     twin PLANT SPEED TCP_PORT [SETTINGS]
+ *
+ * PLANT: the board's parameters as text; SPEED: times real time; TCP_PORT: 0 for any that is free; SETTINGS: the file
+ * in which SAVESET keeps them. python -m tb.twin calls it so.
+ *
+ * It runs in slices: sleeps until a slice of real time has passed or a host has sent something, then lets the
+ * controller catch up. When the machine cannot keep up, the controller's time falls behind, and is not made up for.
+ */
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <exception>
+#include <memory>
+
+#include <unistd.h>
+
+#include "machine.h"
+#include "ports.h"
+
+extern "C" {
+#include "core/settings.h"
+#include "hal/bus.h"
+#include "hal/interrupts.h"
+#include "host/interrupts.h"
+#include "host/settings_file.h"
+#include "modules/application.h"
+}
+
+namespace {
+
+using twin::Time;
+
+constexpr int64_t SLICE_NS = 1000000, BUSY_SLICE_NS = 250000; /* the shorter while bytes are on the line */
+constexpr int64_t BEHIND_NS = 50000000;                        /* more than this behind is given up */
+constexpr size_t QUEUE_BYTES = 256;                            /* read ahead of the serial line */
+
+/* A turn of the main loop, in `fast` clocks: 20 us, what the soft core takes for a short command. */
+constexpr Time TURN = 4000;
+
+int64_t real_ns()
+{
+    timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return int64_t(now.tv_sec) * 1000000000 + now.tv_nsec;
+}
+
+/** The controller and the hosts, and how their times go together. */
+class Twin {
+public:
+    Twin(struct board *board, double speed, uint16_t tcp_port)
+        : machine(board), ports_(tcp_port), fast_per_ns_(speed * FAST_CLOCK_HZ * 1e-9), origin_ns_(real_ns())
+    {
+        std::printf("serial port: %s\ntcp port: %u\n", ports_.path().c_str(), ports_.tcp_port());
+        std::fflush(stdout);
+    }
+
+    twin::Machine machine;
+
+    /** The processor sleeps until an interrupt. */
+    void sleep()
+    {
+        while (!(machine.interrupts() & ENABLED)) {
+            machine.advance(allowed_, ENABLED);
+            if (machine.now() >= allowed_)
+                keep_pace();
+        }
+        host_interrupts_set(machine.interrupts());
+    }
+
+    /** The processor was busy for a while. */
+    void spend(Time clocks)
+    {
+        machine.advance(machine.now() + clocks);
+        while (machine.now() >= allowed_)
+            keep_pace();
+        host_interrupts_set(machine.interrupts());
+    }
+
+private:
+    static constexpr uint32_t ENABLED = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
+
+    /** Serve the hosts, and wait until real time has come as far as the controller's. */
+    void keep_pace()
+    {
+        exchange();
+        int64_t ns = real_ns();
+        const bool busy = machine.unsent() != 0 || active_ > machine.now();
+        const int64_t due_ns = origin_ns_ + int64_t(double(machine.now()) / fast_per_ns_) +
+                               (busy ? BUSY_SLICE_NS : SLICE_NS);
+        if (ns < due_ns) {
+            ports_.wait(due_ns - ns);
+            exchange();
+            ns = real_ns();
+        } else if (ns > due_ns + BEHIND_NS) {
+            origin_ns_ += ns - due_ns;
+        }
+        allowed_ = std::max(machine.now() + 1, Time(double(ns - origin_ns_) * fast_per_ns_));
+        allowed_ = std::min(allowed_, machine.now() + Time(double(SLICE_NS) * fast_per_ns_));
+    }
+
+    void exchange()
+    {
+        uint8_t bytes[QUEUE_BYTES];
+        if (machine.unsent() < QUEUE_BYTES) {
+            const size_t count = ports_.read(bytes, QUEUE_BYTES - machine.unsent());
+            for (size_t n = 0; n < count; n++)
+                machine.send(bytes[n]);
+            if (count)
+                active_ = machine.now() + FAST_CLOCK_HZ / 50;
+        }
+        while (machine.receive(bytes[0]))
+            ports_.write(bytes[0]);
+        ports_.flush();
+    }
+
+    twin::Ports ports_;
+    const double fast_per_ns_;
+    int64_t origin_ns_;  /* real time at which the controller's began */
+    Time allowed_ = 0;   /* how far it may run */
+    Time active_ = 0;    /* a host waits for an answer until then, as likely as not */
+};
+
+std::unique_ptr<Twin> the;
+
+void fault(const char *what, uint32_t address)
+{
+    std::fprintf(stderr, "bus error: %s 0x%08x\n", what, address);
+    std::exit(1);
+}
+
+/** As main_interrupt of main.c. */
+void interrupt()
+{
+    if (interrupts_pending() & INTERRUPTS_BUS)
+        fault("write to", bus_take_fault());
+    application_interrupt();
+    the->machine.advance(the->machine.now());
+    host_interrupts_set(the->machine.interrupts());
+}
+
+int run()
+{
+    host_interrupts_on_sleep([] { the->sleep(); });
+    host_interrupts_dispatch(interrupt);
+    if (!application_init())
+        return 1;
+    for (;;) {
+        application_poll();
+        the->spend(TURN);
+        do
+            interrupts_sleep_unless(application_busy);
+        while (!application_busy());
+    }
+}
+
+} // namespace
+
+extern "C" uint32_t mmio_read32(uintptr_t address)
+{
+    const uint32_t value = the->machine.read(uint32_t(address));
+    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
+    return value;
+}
+
+extern "C" void mmio_write32(uintptr_t address, uint32_t value)
+{
+    the->machine.write(uint32_t(address), value);
+    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
+}
+
+int main(int argument_count, char **arguments)
+{
+    if (argument_count < 4) {
+        std::fprintf(stderr, "usage: twin PLANT SPEED TCP_PORT [SETTINGS]\n");
+        return 2;
+    }
+    char error[200];
+    struct board *board = board_create(arguments[1], error, sizeof error);
+    if (!board) {
+        std::fprintf(stderr, "the virtual controller could not run: %s\n", error);
+        return 2;
+    }
+    for (int signal : {SIGTERM, SIGINT})
+        std::signal(signal, [](int) { _exit(0); }); /* nothing is lost: settings files are whole at any time */
+    if (argument_count > 4)
+        settings_init(settings_file(arguments[4]));
+    try {
+        the = std::make_unique<Twin>(board, std::atof(arguments[2]), uint16_t(std::atoi(arguments[3])));
+    } catch (const std::exception &reason) {
+        std::fprintf(stderr, "the virtual controller could not run: %s\n", reason.what());
+        return 2;
+    }
+    return run();
+}
