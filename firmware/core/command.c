@@ -280,7 +280,7 @@ enum status command_execute(const char *line, size_t length, struct request *req
 
     if (command == NULL)
         return STATUS_UNKNOWN_COMMAND;
-    if (status != STATUS_OK)
+    if (status != STATUS_OK && (command->flags & COMMAND_TAKES_TEXT) == 0)
         return status;
     status = check_line(command, request, &runs);
     if (status != STATUS_OK)

@@ -18,7 +18,7 @@
 
 struct parameter;
 
-enum { SETTINGS_MAX = 320 }; /* values the RAM back end keeps */
+enum { SETTINGS_MAX = 256 }; /* values the RAM back end keeps */
 
 /** Where settings are kept. Keys are unique; `write` replaces. */
 struct settings_store {
@@ -37,6 +37,9 @@ void settings_init(const struct settings_store *store);
 
 /** Keep one value now: parameters of class SAVED_AT_ONCE, called by the dispatcher. */
 void settings_keep(const struct parameter *parameter, unsigned axis);
+
+/** Keep all of class SAVED_AT_ONCE as queries would print them now. False: not kept. */
+bool settings_keep_places(void);
 
 /** Give every parameter its initial value, then what is kept. Start-up and RESET. */
 void settings_load(void);

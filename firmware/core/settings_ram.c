@@ -1,46 +1,41 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Back end of the settings: RAM. Entries are found by linear search; saving is not in a hurry. */
-#include <stddef.h>
-
 #include "core/settings.h"
 
-struct entry {
-    uint32_t key;
-    double value;
-};
-
-static struct entry entries[SETTINGS_MAX];
+static uint32_t keys[SETTINGS_MAX];
+static double values[SETTINGS_MAX];
 static unsigned used;
 
-static struct entry *find(uint32_t key)
+/* Number of a key's entry; `used`: there is none. */
+static unsigned find(uint32_t key)
 {
-    for (unsigned i = 0; i < used; i++)
-        if (entries[i].key == key)
-            return &entries[i];
-    return NULL;
+    unsigned n = 0;
+
+    while (n < used && keys[n] != key)
+        n++;
+    return n;
 }
 
 static bool ram_read(uint32_t key, double *value)
 {
-    const struct entry *entry = find(key);
+    const unsigned n = find(key);
 
-    if (entry == NULL)
+    if (n == used)
         return false;
-    *value = entry->value;
+    *value = values[n];
     return true;
 }
 
 static bool ram_write(uint32_t key, double value)
 {
-    struct entry *entry = find(key);
+    const unsigned n = find(key);
 
-    if (entry == NULL) {
-        if (used == SETTINGS_MAX)
-            return false;
-        entry = &entries[used++];
-        entry->key = key;
-    }
-    entry->value = value;
+    if (n == SETTINGS_MAX)
+        return false;
+    keys[n] = key;
+    values[n] = value;
+    if (n == used)
+        used++;
     return true;
 }
 
@@ -53,8 +48,8 @@ bool settings_ram_entry(unsigned n, uint32_t *key, double *value)
 {
     if (n >= used)
         return false;
-    *key = entries[n].key;
-    *value = entries[n].value;
+    *key = keys[n];
+    *value = values[n];
     return true;
 }
 

@@ -16,6 +16,7 @@
 #include "modules/coordinates.h"
 #include "modules/limits.h"
 #include "modules/modules.h"
+#include "modules/save_positions.h"
 
 static const uint32_t LINES =
     INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
@@ -34,7 +35,7 @@ static volatile bool turn_due;
 static uint32_t ticks_to_turn;
 
 /* Put everything in its state after power-up: axes at rest at 0, saved settings. */
-static void start(void)
+static void start(bool power_up)
 {
     axis_init();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
@@ -43,6 +44,8 @@ static void start(void)
         axis_read(axis, &view);
         coordinates_set_origin(axis, view.position_counts);
     }
+    if (power_up)
+        save_positions_restore();
     limits_open();
     settings_load();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
@@ -67,7 +70,7 @@ bool application_init(void)
     }
     serial_init(identity_clock_rate_hz(), APPLICATION_BITS_PER_S);
     console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
-    start();
+    start(true);
     return true;
 }
 
@@ -78,7 +81,9 @@ void application_poll(void)
         lost_seen = serial_lost();
         log_error(FAULT_OVERTIME);
     }
-    if (!reset_wanted)
+    if (save_positions_is_down())
+        (void)console_finish(&console);
+    else if (!reset_wanted)
         console_poll(&console);
     fault_poll();
     events_poll();
@@ -89,7 +94,7 @@ void application_poll(void)
     /* The acknowledge leaves first. Lines behind it are carried out after the reset. */
     if (reset_wanted && console_finish(&console) && serial_is_quiet()) {
         interrupts_enable(0);
-        start();
+        start(false);
     }
 }
 

@@ -5,6 +5,8 @@
 
 #include "modules/application.h"
 #include "modules/coordinates.h"
+#include "modules/display.h"
+#include "modules/dump.h"
 #include "modules/identity.h"
 #include "modules/info.h"
 #include "modules/letters.h"
@@ -13,6 +15,7 @@
 #include "modules/motion.h"
 #include "modules/move.h"
 #include "modules/ring_buffer.h"
+#include "modules/save_positions.h"
 #include "modules/scan.h"
 #include "modules/settings.h"
 #include "modules/status.h"
@@ -39,6 +42,9 @@ const struct module *const firmware_modules[] = {
     &identity_module,
     &settings_module,
     &verbose_module,
+    &dump_module,
+    &display_module,
+    &save_positions_module,
     &application_module,
     NULL,
 };

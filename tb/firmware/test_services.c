@@ -103,16 +103,13 @@ static void nothing(const struct event *event)
 
 TEST(too_many_hooks_of_one_event_are_refused)
 {
-    static const struct subscription many[] = {
-        {EVENT_RESET, EVENT_IN_MAIN, nothing}, {EVENT_RESET, EVENT_IN_MAIN, nothing},
-        {EVENT_RESET, EVENT_IN_MAIN, nothing}, {EVENT_RESET, EVENT_IN_MAIN, nothing},
-        {EVENT_RESET, EVENT_IN_MAIN, nothing}, {EVENT_RESET, EVENT_IN_MAIN, nothing}, {0},
-    };
+    static struct subscription many[EVENT_HOOKS_MAX + 1];
     static const struct module first = {.subscriptions = many};
-    static const struct module second = {.subscriptions = many + 5};
+    static const struct module second = {.subscriptions = many + EVENT_HOOKS_MAX - 1};
     const struct module *one[] = {&first, NULL}, *two[] = {&first, &second, NULL};
 
-    CHECK_INT(EVENT_HOOKS_MAX, 6);
+    for (unsigned n = 0; n < EVENT_HOOKS_MAX; n++)
+        many[n] = (struct subscription){EVENT_RESET, EVENT_IN_MAIN, nothing};
     CHECK(events_init(one));
     CHECK(!events_init(two));
 }

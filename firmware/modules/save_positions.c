@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/save_positions.h"
+
+#include <math.h>
+#include <stddef.h>
+
+#include "core/axis.h"
+#include "core/settings.h"
+#include "modules/coordinates.h"
+#include "modules/motion.h"
+
+static double inhibit;
+static bool down;
+
+/* Of what is stored: counts from the user's 0. */
+static uint32_t key_of(unsigned axis)
+{
+    return settings_key_of("POSITION", AXIS_LETTERS[axis]);
+}
+
+bool save_positions_is_down(void)
+{
+    return down;
+}
+
+void save_positions_restore(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        double counts;
+
+        if (!settings_read(key_of(axis), &counts))
+            continue;
+        coordinates_set_origin(axis, motion_position_counts(axis) - (int32_t)counts);
+        (void)settings_write(key_of(axis), NAN);
+    }
+}
+
+static double counts_from_origin(unsigned axis)
+{
+    const double mm = coordinates_counts_to_mm(axis, motion_position_counts(axis));
+
+    return round(mm * coordinates_counts_per_mm(axis) * (coordinates_mirrored(axis) ? -1 : 1));
+}
+
+static bool all_rest(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (!motion_in_position(axis))
+            return false;
+    return true;
+}
+
+static bool store(void)
+{
+    bool stored = settings_keep_places();
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        stored &= settings_write(key_of(axis), counts_from_origin(axis));
+    return stored;
+}
+
+enum step { STEP_BEGIN, STEP_STOP };
+
+/* The colon leaves at once, the A when the positions are stored. */
+static enum status savepos(const struct request *request, struct reply *reply)
+{
+    (void)request;
+    if (reply->step == STEP_BEGIN) {
+        (void)motion_halt();
+        reply_char(reply, ':');
+        reply->step = STEP_STOP;
+        return STATUS_PENDING;
+    }
+    if (!all_rest())
+        return STATUS_PENDING;
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        motion_enable(axis, false);
+    down = store();
+    reply_text(reply, down ? "A " : "N-5");
+    return STATUS_OK;
+}
+
+static void init(void)
+{
+    down = false;
+}
+
+static const struct command commands[] = {
+    {
+        .name = "SAVEPOS", .shortcut = "SP", .form = FORM_P, .run = savepos,
+        .summary = "Stop, store the positions, and be deaf until the power is cycled.",
+    },
+    {0},
+};
+
+static const struct parameter parameters[] = {
+    {
+        .command = "SAVEPOS", .letter = 'X', .type = PARAMETER_INTEGER, .unit = "",
+        .minimum = 0, .maximum = 1, .initial = 0, .value = &inhibit, .saved = SAVED_BY_SS,
+        .summary = "1: nothing is stored when the power fails; for boards that notice.",
+    },
+    {0},
+};
+
+const struct module save_positions_module = {
+    .name = "save positions", .commands = commands, .parameters = parameters, .init = init,
+};
