@@ -17,9 +17,9 @@ TIMESCALE = ("1ps", "1ps")
 
 
 def _ports(source):
-    """Names of the ports of ``dut`` in a file that yosys wrote."""
-    module = re.search(r"^module dut\(.*?^endmodule", source.read_text(), re.MULTILINE | re.DOTALL)[0]
-    return re.findall(r"^ *(?:input|output) (?:.* )?\\?(\w+) ?;", module, re.MULTILINE)
+    """Names of the ports of ``dut`` in a file, one declaration per line as yosys writes them."""
+    module = re.search(r"^module dut\b.*?^endmodule", source.read_text(), re.MULTILINE | re.DOTALL)[0]
+    return re.findall(r"^ *(?:input|output) (?:.* )?\\?(\w+) ?[;,]?$", module, re.MULTILINE)
 
 
 def build(name, write_sources, *, arguments=("--no-timing",)):
