@@ -67,17 +67,19 @@ formal: $(READY) ## All proofs, with mode, depth and widths
 
 lint: $(READY) ## Generated pages are up to date; the pins of every board keep their rules
 	@$(PYTHON) -m soc.generate --check
+	@$(PYTHON) -m firmware.manual.commands --check
 	@$(PYTHON) -m soc.pins --check
 
 # --- products -----------------------------------------------------------------------------------------------
 
-gen: $(READY) ## Registers: C header, linker memory, docs/registers.md
+gen: $(READY) ## Registers (C header, linker memory, docs/registers.md) and docs/commands.md
 	@$(PYTHON) -m soc.generate
+	@$(PYTHON) -m firmware.manual.commands
 
 pins: $(READY) ## Pins of every board: checked, and docs/boards/*-pins.* drawn from constraints/*.lpf
 	@$(PYTHON) -m soc.pins
 
-firmware: gen ## The firmware image for the soft core
+firmware: $(READY) ## The firmware image for the soft core
 	@$(MAKE) --no-print-directory -C firmware
 
 board = @test -n "$(BOARD)" || { echo "usage: make $@ BOARD=ulx3s-85f"; exit 2; }
