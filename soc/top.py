@@ -98,6 +98,8 @@ class Abbe(wiring.Component):
         Readable in the identity block; see :func:`soc.verilog.build_id`.
     regions : sequence of Region
         Memory; a board may have less than :data:`REGIONS`, for which firmware is linked.
+    arguments : dict
+        ``{part: {parameter: value}}`` for parts that are made otherwise than they are by default.
 
     Members: pins, all active high but those in _n.  Inputs are asynchronous, outputs come from flip-flops.
     -------
@@ -131,10 +133,10 @@ class Abbe(wiring.Component):
         Simulation only.
     """
 
-    def __init__(self, *, build_id=0, regions=REGIONS):
+    def __init__(self, *, build_id=0, regions=REGIONS, arguments={}):
         self._regions = regions
         arguments = {"identity": {"clock_hz": CLOCK_HZ, "fast_clock_hz": FAST_CLOCK_HZ, "build_id": build_id},
-                     "bus": {"signature": BUS}}
+                     "bus": {"signature": BUS}} | arguments
         self._parts = {}
         self._decoder = csr.Decoder(addr_width=REGISTERS_ADDRESS_BITS - 2, data_width=BUS_WIDTH)
         for p in PERIPHERALS:
