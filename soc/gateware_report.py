@@ -3,20 +3,32 @@
 
 import re
 
+from soc.top import CLOCK_HZ, FAST_CLOCK_HZ
+
 __all__ = ["DOMAINS", "crossings_ns", "domain", "frequencies", "part", "path", "pins_ns", "summary", "use"]
 
-DOMAINS = {"fast": r"(^|\.)fast_gate\.o", "sync": r"(^|\.)sync_gate\.o"}
-"""Clock domains of the controller by the net that clocks them: what :class:`soc.ecp5.ClockGenerator` calls it."""
+DOMAINS = {"fast": FAST_CLOCK_HZ / 1e6, "sync": CLOCK_HZ / 1e6}
+"""Clock domains of the controller, and the MHz that the PLL's settings ask of them; no two are equal."""
 
 CELLS = "TRELLIS_FF|TRELLIS_DPR16X4|TRELLIS_COMB|LUT4|CCU2C|CCU2|PFUMX|L6MUX21|DP16KD|MULT18X18D"
 USE = {"lut4": "TRELLIS_COMB", "ff": "TRELLIS_FF", "ebr": "DP16KD", "dsp": "MULT18X18D"}
 
 
-def domain(clock):
-    """Our name of a clock as nextpnr writes it, ``posedge <net>``; ``pins`` for no clock, ``board`` for another."""
+def domain(report, clock):
+    """Our name of a clock as nextpnr writes it, ``posedge <net>`` or ``<net>``: ``pins`` for no clock, ``board`` for
+    one that is not the controller's.
+
+    A net has whichever of its names yosys kept, so a clock is known by the frequency that nextpnr derived for it from
+    the PLL's settings; one that comes from a pad is the oscillator.
+    """
     if clock == "<async>":
         return "pins"
-    return next((name for name, net in DOMAINS.items() if re.search(net, clock)), "board")
+    net = clock.split()[-1]
+    if not net.endswith("TRELLIS_IO_IN"):
+        for name, wanted in DOMAINS.items():
+            if abs(report["fmax"][net]["constraint"] / wanted - 1) < 1e-3:
+                return name
+    return "board"
 
 
 def use(report):
@@ -27,19 +39,20 @@ def use(report):
 
 
 def frequencies(report):
-    """``{domain: (achieved, wanted)}`` in MHz for the controller's domains.  Raises :exc:`ValueError` if nextpnr
-    says nothing of one or was asked for nothing."""
+    """``{domain: (achieved, wanted)}`` in MHz for the controller's domains.  Raises :exc:`ValueError` if
+    nextpnr was not asked for one of them."""
     result = {}
     for clock, values in report["fmax"].items():
-        if (name := domain(clock)) in DOMAINS:
+        if (name := domain(report, clock)) in DOMAINS:
             result[name] = values["achieved"], values["constraint"]
-    if set(result) != set(DOMAINS) or any(wanted < 1 for _, wanted in result.values()):
+    if set(result) != set(DOMAINS):
         raise ValueError(f"expected clocks {sorted(DOMAINS)}, found {sorted(report['fmax'])}")
     return result
 
 
 def _paths(report, start, end):
-    return [p["path"] for p in report["critical_paths"] if (domain(p["from"]), domain(p["to"])) == (start, end)]
+    return [p["path"] for p in report["critical_paths"]
+            if (domain(report, p["from"]), domain(report, p["to"])) == (start, end)]
 
 
 def _delay(steps):
