@@ -19,9 +19,7 @@ TESTED = "0.10.0"
 """Of Debian 12."""
 
 CAUSES = {
-    "device not found": "no board was found: is it connected by USB, and to its own USB socket (US1)?",
-    "unable to open ftdi": "no board was found, or this user may not open it: connect it by USB; if `lsusb` shows it "
-                           "(0403:6015), install openFPGALoader's udev rule or run this as root",
+    "device not found": "no board was found: is it connected by USB, and by the right one of its USB sockets?",
     "usb_open": "this user may not open the board: install openFPGALoader's udev rule or run this as root",
     "permission denied": "this user may not open the board: install openFPGALoader's udev rule or run this as root",
     "claim": "another program holds the board: close terminals on its serial port",
