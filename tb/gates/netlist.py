@@ -6,16 +6,19 @@ block memory, multiplier and PLL, which are black boxes there, by ``models/`` be
 """
 
 import importlib.util
+import re
+from itertools import count
 from pathlib import Path
 
 from tb import toolchain, verilated
 
-__all__ = ["MODELS", "SYNTHESIS", "build", "content_key", "simulation", "synthesise"]
+__all__ = ["MODELS", "SYNTHESIS", "build", "content_key", "mutants", "simulation", "synthesise"]
 
 SYNTHESIS = "synth_ecp5 -nowidelut"
 """As for a board: see :data:`soc.gateware.SYNTHESIS`."""
 
-MODELS = [Path(__file__).parent / "models" / name for name in ("cells.v", "dp16kd.v", "mult18x18d.v")]
+MODELS = [Path(__file__).parent / "models" / name for name in ("cells.v", "mutable_lut4.v", "dp16kd.v", "mult18x18d.v")]
+PLL = MODELS[0].with_name("ehxplll.v")
 
 
 def share():
@@ -24,15 +27,15 @@ def share():
     return Path(package) / "share" / "ecp5"
 
 
-def synthesise(directory, read, *, top="dut", to=None, edit=""):
+def synthesise(directory, read, *, top="dut"):
     """Write ``<top>.netlist.v`` in ``directory``, the ECP5 netlist of ``top``, and return its path.
 
     ``read``: yosys commands that read the design; files relative to ``directory``.  Nets are single bits, ports
-    as in the source.  ``to``: another name for the module.  ``edit``: yosys commands on the finished netlist.
+    as in the source.
     """
     path = directory / f"{top}.netlist.v"
-    toolchain.yosys(f"{read}; {SYNTHESIS} -top {top}; {edit}; splitnets; delete t:$scopeinfo; "
-                    f"rename {top} {to or top}; write_verilog -noattr {path.name}", cwd=directory)
+    toolchain.yosys(f"{read}; {SYNTHESIS} -top {top}; splitnets; delete t:$scopeinfo; "
+                    f"write_verilog -noattr {path.name}", cwd=directory)
     return path
 
 
@@ -40,18 +43,39 @@ def content_key(*parts):
     """Names a simulation by what goes into it: ``parts``, and all that this module adds."""
     library = [share() / name for name in ("common_sim.vh", "ccu2c_sim.vh")]
     return "gates-" + toolchain.content_key(*parts, SYNTHESIS, Path(__file__), Path(verilated.__file__),
-                                            *MODELS, *library)
+                                            *MODELS, PLL, *library)
 
 
 def simulation(name, write_sources, *, timing=False):
-    """:func:`tb.verilated.build` with the models.  ``timing``: some of them have delays."""
-    return verilated.build(name, lambda directory: [*MODELS, *write_sources(directory)],
-                           arguments=("--timing" if timing else "--no-timing", f"+incdir+{share()}"))
+    """:func:`tb.verilated.build` with the models.  ``timing``: the PLL is among them, which has delays."""
+    models = [*MODELS, PLL] if timing else MODELS
+    delays = ["--timing", "-CFLAGS", "-std=c++20 -fcoroutines"] if timing else ["--no-timing"]
+    return verilated.build(name, lambda directory: [*models, *write_sources(directory)],
+                           arguments=[*delays, f"+incdir+{share()}"])
 
 
-def build(rtlil, *, edit=""):
-    """A simulation of the netlist of ``dut``, given as RTLIL text; ``edit`` as for :func:`synthesise`."""
+def build(rtlil, *, mutable=False, timing=False):
+    """A simulation of the netlist of ``dut``, given as RTLIL text; ``timing`` as for :func:`simulation`.
+
+    ``mutable``: its LUTs are those of ``models/mutable_lut4.v``, numbered from 0 as they come in the netlist.
+    """
     def write_sources(directory):
         (directory / "dut.il").write_text(rtlil)
-        return [synthesise(directory, "read_rtlil dut.il", edit=edit)]
-    return simulation(content_key(rtlil, edit), write_sources)
+        path = synthesise(directory, "read_rtlil dut.il")
+        if mutable:
+            number = count()
+            path.write_text(re.sub(r"^  LUT4 #\(", lambda _: f"  MUTABLE_LUT4 #( .NUMBER({next(number)}),",
+                                   path.read_text(), flags=re.MULTILINE))
+        return [path]
+    return simulation(content_key(rtlil, f"{mutable} {timing}"), write_sources, timing=timing)
+
+
+def mutants(directory):
+    """``[number for the plusarg "mutant"]`` of a mutable simulation: every entry that the inputs of a LUT can ask
+    for.  Inputs that a LUT does not need are constant, and leave a half of its table out."""
+    found, text = [], (directory / "dut.netlist.v").read_text()
+    for number, ports in re.findall(r"MUTABLE_LUT4 #\( \.NUMBER\((\d+)\),.*?\(\n(.*?)\);", text, re.DOTALL):
+        constant = {"ABCD".index(port): int(level) for port, level in re.findall(r"\.([ABCD])\(1'h([01])\)", ports)}
+        found += [16 * int(number) + entry for entry in range(16)
+                  if all(entry >> bit & 1 == level for bit, level in constant.items())]
+    return found

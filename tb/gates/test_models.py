@@ -6,10 +6,13 @@ import re
 import sys
 
 import cocotb
+import pytest
 from cocotb.triggers import Timer
 
 from tb import verilated
 from tb.gates import inferred
+
+pytestmark = pytest.mark.gates
 
 INPUTS = {name: bits for name, bits in inferred.INPUTS.items() if name != "clk"}
 
