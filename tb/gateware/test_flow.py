@@ -23,7 +23,7 @@ def words_of(seed):
 def flow(directory, said=None, text=CONSTRAINTS):
     directory.mkdir(exist_ok=True)
     (directory / "tiny.lpf").write_text(text)
-    return gateware.Flow(Tiny, directory=directory, constraints=directory / "tiny.lpf",
+    return gateware.Flow(Tiny, directory=directory, constraints=directory / "tiny.lpf", synthesis="synth_ecp5 -top top; ",
                          say=(said if said is not None else []).append)
 
 

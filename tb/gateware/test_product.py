@@ -42,7 +42,8 @@ def test_the_spine_takes_at_most_35_percent_of_a_25f(netlist):
 
 def test_the_memories_are_block_ram(netlist):
     kinds = Counter(name.split(".words.")[0] for name, cell in netlist["cells"].items() if cell["type"] == "DP16KD")
-    assert kinds["controller.memory.boot"] == 8 * 8 // 16 and kinds["controller.memory.ram"] == 128 * 8 // 16
+    for region in gateware.board("ulx3s-85f").regions():
+        assert kinds[f"controller.memory.{region.name}"] == region.size // 2048       # bytes in 16 kbit
 
 
 def test_motor_pins_are_low_while_the_reset_sequencer_says_so(netlist):
