@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """``make test-transcripts [PORT=...] [FILES=...]``: transcripts against a controller; last line ``N passed, M failed``.
 
-PORT is a device, a pty or ``host:port`` (TCP); without it the host build of the firmware is run.
+PORT is a device, a pty or ``host:port`` (TCP); without it the virtual controller is run (:mod:`tb.twin`).
 """
 
 import argparse
@@ -11,9 +11,11 @@ import sys
 
 import serial
 
-from tb.transcripts.controller import controller
 from tb.transcripts.runner import VECTORS, Host, Session
 from tb.transcripts.transcript import VARIANTS
+from tb.twin.twin import Twin
+
+TWIN_SPEED = 10     # times real time
 
 
 def open_port(name, baud):
@@ -39,7 +41,7 @@ def main(arguments=None):
                         choices=[*VARIANTS, "doubled", "mirrored"], help="say it as other hosts do; may be repeated")
     options = parser.parse_args(arguments)
     with contextlib.ExitStack() as resources:
-        name = options.port or resources.enter_context(controller())
+        name = options.port or resources.enter_context(Twin(speed=TWIN_SPEED)).port
         port = resources.enter_context(open_port(name, options.baud))
         host = Host(port, patience=options.patience, quiet=0.02 * max(1, options.patience / 2))
         session = Session(host, names=options.names, say=print)

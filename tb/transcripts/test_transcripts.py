@@ -1,22 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The transcripts on the host build of the firmware, as they are and as other hosts would say them."""
+"""The transcripts on the virtual controller, as they are and as other hosts would say them."""
 
 import contextlib
 
 import pytest
 import serial
 
-from tb.transcripts.controller import controller
+from tb.transcripts.__main__ import TWIN_SPEED
 from tb.transcripts.runner import VECTORS, Host, Session
 from tb.transcripts.transcript import Condition, Exchange, TranscriptError, glued, load, parse, variants, with_exponents
+from tb.twin.twin import Twin
 
 WAYS = {"plain": (), "mirrored": ("mirrored",), "exponents": ("exponents",), "glued": ("glued",),
         "doubled": ("doubled",), "all": ("mirrored", "exponents", "glued", "doubled")}
 
 
 @pytest.mark.parametrize("names", WAYS.values(), ids=WAYS)
-def test_the_host_build_says_what_the_transcripts_say(names):
-    with controller() as path, serial.Serial(path) as port:
+def test_the_controller_says_what_the_transcripts_say(names):
+    with Twin(speed=TWIN_SPEED) as twin, serial.Serial(twin.port) as port:
         session = Session(Host(port), names=names)
         for file in sorted(VECTORS.glob("*.txt")):
             session.run(file)
@@ -28,7 +29,7 @@ def test_the_host_build_says_what_the_transcripts_say(names):
 @contextlib.contextmanager
 def powered(settings=None):
     """A host at a controller just powered up."""
-    with controller(settings) as path, serial.Serial(path) as port:
+    with Twin(speed=TWIN_SPEED, settings=settings) as twin, serial.Serial(twin.port) as port:
         host = Host(port)
         host.wait_until_back()
         yield host
