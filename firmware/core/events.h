@@ -21,6 +21,7 @@ enum event_name {
     EVENT_BUSY,         /* the answer of STATUS changed; argument: 1 busy, 0 not */
     EVENT_HALT,         /* everything was stopped; argument: 1 when that ended a commanded move */
     EVENT_TRIGGER_IN,   /* qualified edge at IN0; argument: level */
+    EVENT_IN1,          /* edge at IN1; argument: level after it */
     EVENT_BUTTON,       /* a press was classed; argument: enum action */
     EVENT_LINE_START,   /* SYNC fired; argument: line number */
     EVENT_LINE_END,     /* the active line ended; argument: pulses produced */

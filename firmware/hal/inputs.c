@@ -15,3 +15,31 @@ void inputs_read(struct inputs *inputs)
     inputs->in0 = (levels & REG_INPUTS_LEVELS_IN0_MASK) != 0;
     inputs->in1 = (levels & REG_INPUTS_LEVELS_IN1_MASK) != 0;
 }
+
+bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges)
+{
+    static const struct {
+        uint32_t rose, fell, level;
+    } masks[INPUTS_TTL_COUNT] = {
+        [INPUTS_IN0] = {REG_INPUTS_EDGES_IN0_ROSE_MASK, REG_INPUTS_EDGES_IN0_FELL_MASK,
+                        REG_INPUTS_LEVELS_IN0_MASK},
+        [INPUTS_IN1] = {REG_INPUTS_EDGES_IN1_ROSE_MASK, REG_INPUTS_EDGES_IN1_FELL_MASK,
+                        REG_INPUTS_LEVELS_IN1_MASK},
+    };
+    const uint32_t seen = inputs_edges_read() & (masks[pin].rose | masks[pin].fell);
+
+    if (seen == 0)
+        return false;
+    /* Cleared first: an edge from here on is asked for again. */
+    inputs_edges_write(seen);
+    edges->rose = (seen & masks[pin].rose) != 0;
+    edges->fell = (seen & masks[pin].fell) != 0;
+    edges->level = (inputs_levels_read() & masks[pin].level) != 0;
+    edges->at_cycles = pin == INPUTS_IN0 ? inputs_in0_time_read() : inputs_in1_time_read();
+    return true;
+}
+
+uint32_t inputs_dip(void)
+{
+    return inputs_levels_dip_get();
+}

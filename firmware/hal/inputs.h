@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** Switches and TTL inputs, as levels. */
+/** Switches and TTL inputs, as levels; edges of the TTL inputs; DIP switches. */
 #ifndef HAL_INPUTS_H
 #define HAL_INPUTS_H
 
@@ -16,5 +16,20 @@ struct inputs {
 };
 
 void inputs_read(struct inputs *inputs);
+
+enum inputs_ttl { INPUTS_IN0, INPUTS_IN1, INPUTS_TTL_COUNT };
+
+/** What a TTL input has done since it was last asked for. */
+struct inputs_edges {
+    bool rose, fell;
+    bool level;         /* now */
+    uint32_t at_cycles; /* of the last edge: the timer's count (hal/timer.h) */
+};
+
+/** Take the edges. False: none. However short a pulse was, it is both. */
+bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges);
+
+/** DIP switches: bit n is switch n of the board, 1: on. */
+uint32_t inputs_dip(void);
 
 #endif

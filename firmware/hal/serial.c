@@ -23,8 +23,13 @@ void serial_init(uint32_t clock_rate_hz, uint32_t rate_bits_per_s)
 {
     ring_clear(&receive);
     ring_clear(&transmit);
-    serial_divisor_write((clock_rate_hz + rate_bits_per_s / 2) / rate_bits_per_s);
+    serial_set_rate(clock_rate_hz, rate_bits_per_s);
     serial_interrupt_enable_write(REG_SERIAL_INTERRUPT_ENABLE_RX_READY_MASK);
+}
+
+void serial_set_rate(uint32_t clock_rate_hz, uint32_t rate_bits_per_s)
+{
+    serial_divisor_write((clock_rate_hz + rate_bits_per_s / 2) / rate_bits_per_s);
 }
 
 void serial_kick(void)

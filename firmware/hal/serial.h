@@ -21,6 +21,9 @@ struct ring *serial_transmit_ring(void);
 /** Set the bit rate (8N1) and let the receiver interrupt. */
 void serial_init(uint32_t clock_rate_hz, uint32_t rate_bits_per_s);
 
+/** Change the bit rate, while nothing is being sent. */
+void serial_set_rate(uint32_t clock_rate_hz, uint32_t rate_bits_per_s);
+
 /** Call after bytes were put into the transmit ring. */
 void serial_kick(void);
 

@@ -11,6 +11,7 @@
 static double origin_counts[AXIS_COUNT];
 
 static double units_per_mm[AXIS_COUNT];  /* UM, not 0; negative: mirrored */
+static bool reversed[AXIS_COUNT];        /* mirrored once more */
 static double counts_per_mm[AXIS_COUNT]; /* CNTS, above 0 */
 
 double coordinates_counts_per_mm(unsigned axis)
@@ -18,14 +19,25 @@ double coordinates_counts_per_mm(unsigned axis)
     return counts_per_mm[axis];
 }
 
+/* UM with the sign that holds. */
+static double scale(unsigned axis)
+{
+    return reversed[axis] ? -units_per_mm[axis] : units_per_mm[axis];
+}
+
 double coordinates_units_per_mm(unsigned axis)
 {
-    return units_per_mm[axis];
+    return scale(axis);
 }
 
 bool coordinates_mirrored(unsigned axis)
 {
-    return units_per_mm[axis] < 0;
+    return scale(axis) < 0;
+}
+
+void coordinates_reverse(unsigned axis, bool reverse)
+{
+    reversed[axis] = reverse;
 }
 
 static int32_t whole(double counts)
@@ -39,22 +51,22 @@ static int32_t whole(double counts)
 
 int32_t coordinates_user_to_counts(unsigned axis, double user)
 {
-    return whole(origin_counts[axis] + user / units_per_mm[axis] * counts_per_mm[axis]);
+    return whole(origin_counts[axis] + user / scale(axis) * counts_per_mm[axis]);
 }
 
 int32_t coordinates_distance_to_counts(unsigned axis, double user)
 {
-    return whole(user / units_per_mm[axis] * counts_per_mm[axis]);
+    return whole(user / scale(axis) * counts_per_mm[axis]);
 }
 
 bool coordinates_fits(unsigned axis, double user)
 {
-    return fabs(user / units_per_mm[axis] * counts_per_mm[axis]) <= COORDINATES_COUNTS_MAX;
+    return fabs(user / scale(axis) * counts_per_mm[axis]) <= COORDINATES_COUNTS_MAX;
 }
 
 double coordinates_counts_to_user(unsigned axis, int32_t counts)
 {
-    return ((double)counts - origin_counts[axis]) / counts_per_mm[axis] * units_per_mm[axis];
+    return ((double)counts - origin_counts[axis]) / counts_per_mm[axis] * scale(axis);
 }
 
 static double mm_sign(unsigned axis)
@@ -74,7 +86,7 @@ double coordinates_counts_to_mm(unsigned axis, int32_t counts)
 
 void coordinates_name(unsigned axis, int32_t counts, double user)
 {
-    origin_counts[axis] = (double)counts - user / units_per_mm[axis] * counts_per_mm[axis];
+    origin_counts[axis] = (double)counts - user / scale(axis) * counts_per_mm[axis];
 }
 
 void coordinates_set_origin(unsigned axis, int32_t counts)

@@ -6,8 +6,9 @@
  *     user mm    (user units / |UM|)                       SETLOW SETUP SCANR SCANV
  *     counts     (the decoder's)                           everything inside
  *
- * user = (counts - origin) / CNTS * UM. UM may be negative: the axis is mirrored then, in user
- * units and in user mm alike: a host that reads positions and sends limits sees one frame.
+ * user = (counts - origin) / CNTS * UM. UM may be negative, or a switch may reverse the axis: it is
+ * mirrored then, in user units and in user mm alike: a host that reads positions and sends limits
+ * sees one frame.
  */
 #ifndef MODULES_COORDINATES_H
 #define MODULES_COORDINATES_H
@@ -25,11 +26,14 @@ extern const struct module coordinates_module;
 /** CNTS, above 0. */
 double coordinates_counts_per_mm(unsigned axis);
 
-/** UM, not 0. */
+/** UM, not 0; its sign is turned round when the axis is reversed. */
 double coordinates_units_per_mm(unsigned axis);
 
-/** UM is negative: a growing user coordinate is a falling count. */
+/** A growing user coordinate is a falling count: UM is negative, or the axis is reversed. */
 bool coordinates_mirrored(unsigned axis);
+
+/** Turn the axis round for the user, as a negative UM does, UM staying as it is. */
+void coordinates_reverse(unsigned axis, bool reversed);
 
 /** The count nearest to a place; halves away from zero; clipped at +-COORDINATES_COUNTS_MAX. */
 int32_t coordinates_user_to_counts(unsigned axis, double user);

@@ -6,6 +6,7 @@
 
 #include "modules/axis.h"
 #include "modules/coordinates.h"
+#include "modules/joystick.h"
 #include "modules/lookup.h"
 #include "modules/low_level.h"
 #include "modules/motion.h"
@@ -204,8 +205,7 @@ static const char *profile(const struct page *page)
 
 static const char *input_device(const struct page *page)
 {
-    (void)page;
-    return "NONE";
+    return joystick_device_name(page->axis);
 }
 
 static const char *command_state(const struct page *page)

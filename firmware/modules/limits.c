@@ -37,6 +37,13 @@ int32_t limits_clip(unsigned axis, int32_t counts)
     return counts;
 }
 
+int32_t limits_nearest(unsigned axis, int32_t counts)
+{
+    if (counts > high_counts[axis])
+        return high_counts[axis];
+    return counts < low_counts[axis] ? low_counts[axis] : counts;
+}
+
 bool limits_allow(unsigned axis, int32_t counts)
 {
     return counts >= low_counts[axis] && counts <= high_counts[axis];

@@ -22,6 +22,9 @@ void limits_open(void);
 /** The count itself, or the nearest one within the limits. Logs 34 or 35 when it was outside. */
 int32_t limits_clip(unsigned axis, int32_t counts);
 
+/** The same without logging. */
+int32_t limits_nearest(unsigned axis, int32_t counts);
+
 /** Whether a count is within the limits. */
 bool limits_allow(unsigned axis, int32_t counts);
 

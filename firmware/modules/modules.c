@@ -4,11 +4,14 @@
 #include <stddef.h>
 
 #include "modules/application.h"
+#include "modules/buttons.h"
 #include "modules/coordinates.h"
 #include "modules/display.h"
 #include "modules/dump.h"
 #include "modules/identity.h"
 #include "modules/info.h"
+#include "modules/inputs.h"
+#include "modules/joystick.h"
 #include "modules/letters.h"
 #include "modules/limits.h"
 #include "modules/low_level.h"
@@ -26,6 +29,7 @@
 
 /* Start-up runs `init` in this order, and each turn of the main loop `poll`. */
 const struct module *const firmware_modules[] = {
+    &inputs_module, /* before what converts coordinates */
     &coordinates_module,
     &limits_module,
     &tuning_module,
@@ -35,6 +39,8 @@ const struct module *const firmware_modules[] = {
     &ttl_module,
     &ring_buffer_module,
     &z_stack_module,
+    &joystick_module,
+    &buttons_module,
     &scan_module,
     &letters_module,
     &low_level_module,
@@ -55,5 +61,8 @@ const struct claim firmware_claims[] = {
     {ACTION_AT_SHORT, ring_buffer_button_next},
     {ACTION_JOYSTICK_LONG, ring_buffer_button_store},
     {ACTION_HOME_LONG, ring_buffer_button_clear},
+    {ACTION_HOME_SHORT, buttons_home},
+    {ACTION_ZERO_SHORT, buttons_zero},
+    {ACTION_JOYSTICK_SHORT, joystick_toggle_speed},
     {0},
 };

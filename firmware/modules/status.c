@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "modules/joystick.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
 
@@ -27,7 +28,7 @@ static bool motor_on(const struct axis_view *view)
 uint8_t status_byte(unsigned axis)
 {
     struct axis_view view;
-    unsigned bits = BIT_JOYSTICK; /* no input device disconnects it yet */
+    unsigned bits = joystick_connected(axis) ? BIT_JOYSTICK : 0;
 
     axis_read(axis, &view);
     bits |= motion_axis_busy(axis) ? BIT_BUSY : 0;

@@ -21,7 +21,6 @@ enum {
 };
 
 static double bits;
-static bool in1;
 
 static bool wants(unsigned bit)
 {
@@ -71,23 +70,20 @@ static void pressed(const struct event *event)
         return;
     if (event->argument == ACTION_JOYSTICK_SHORT)
         report_line("p", 1);
-    else if (event->argument == ACTION_JOYSTICK_LONG)
+    else if (event->argument == ACTION_JOYSTICK_LONG ||
+             event->argument == ACTION_JOYSTICK_EXTRA_LONG)
         report_line("P", 1);
 }
 
-static void poll(void)
+static void in1_changed(const struct event *event)
 {
-    const bool level = read_in1();
-
-    if (level != in1 && wants(SAY_IN1))
-        report_line(level ? "H" : "L", 1);
-    in1 = level;
+    if (wants(SAY_IN1))
+        report_line(event->argument != 0 ? "H" : "L", 1);
 }
 
 static void init(void)
 {
     report_clear();
-    in1 = read_in1();
 }
 
 static const struct command commands[] = {
@@ -123,6 +119,7 @@ static const struct parameter parameters[] = {
 static const struct subscription subscriptions[] = {
     {EVENT_BUSY, EVENT_IN_MAIN, busy_changed},
     {EVENT_BUTTON, EVENT_IN_MAIN, pressed},
+    {EVENT_IN1, EVENT_IN_MAIN, in1_changed},
     {0},
 };
 
@@ -132,5 +129,4 @@ const struct module verbose_module = {
     .parameters = parameters,
     .subscriptions = subscriptions,
     .init = init,
-    .poll = poll,
 };

@@ -10,6 +10,7 @@
 #include "core/report.h"
 #include "host/mmio.h"
 #include "machine.h"
+#include "panel.h"
 #include "port.h"
 #include "regs.h"
 
@@ -80,11 +81,12 @@ TEST(says_the_edges_of_in1)
     machine_start();
     SEND("VB Y?", ":A Y=0\r\n");
     SEND("VB X=4", ":A \r\n");
-    mmio_model_set(REG_INPUTS_LEVELS, REG_INPUTS_LEVELS_IN1_MASK);
+    panel_start();
+    panel_ttl(INPUTS_IN1, true, 0);
     CHECK_TEXT(hear(10), "H\r\n");
     CHECK_TEXT(hear(10), "");
     SEND("VB Y?", ":A Y=1\r\n");
-    mmio_model_set(REG_INPUTS_LEVELS, 0);
+    panel_ttl(INPUTS_IN1, false, 0);
     CHECK_TEXT(hear(10), "L\r\n");
     SEND("VB Y=1", ":N-4\r\n");
 }
@@ -107,10 +109,10 @@ TEST(never_speaks_inside_a_reply)
 
     machine_start();
     SEND("VB X=4", ":A \r\n");
-    mmio_model_set(REG_INPUTS_LEVELS, REG_INPUTS_LEVELS_IN1_MASK);
-    text = port_send("I X\rV"); /* the edge is seen while the page is being sent */
+    panel_start();
+    panel_ttl(INPUTS_IN1, true, 0); /* the edge is seen while the page is being sent */
+    text = port_send("I X\rV");
     machine_run(2);
-    mmio_model_set(REG_INPUTS_LEVELS, 0);
     CHECK(strncmp(text, "Axis Name", 9) == 0);
     CHECK(strstr(text, "\r\n:A Version") != NULL);
     CHECK(strchr(strstr(text, "\r\n") + 2, '\n') != NULL);
