@@ -49,8 +49,9 @@ test-firmware: $(READY) ## Firmware on the host, under sanitizers
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
 
-test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every proof
+test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, two equal bitstreams, every proof
 	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py
+	@FULL_BUILD=1 $(PYTEST) tb/gateware/test_product.py
 	@$(PYTHON) -m tb.formal
 
 test-host: $(READY) ## The analyser and the demo's own checks, on recordings with faults in them
