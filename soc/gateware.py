@@ -41,7 +41,8 @@ SYNTHESIS = "synth_ecp5 -nowidelut -top top; "
 """Without wide multiplexers: a sixth fewer LUTs, measured."""
 
 PHASES = {
-    "Preparing to run": "compiling itself for this machine, once", "Packing constants": "packing", "Running main analytical placer": "placing",
+    "Preparing to run": "compiling itself for this machine, once",
+    "Packing constants": "packing", "Running main analytical placer": "placing",
     "Running simulated annealing placer": "improving the placement", "Routing globals": "routing clocks",
     "Routing..": "routing",
 }
