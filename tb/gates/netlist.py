@@ -15,7 +15,7 @@ from tb import toolchain, verilated
 __all__ = ["MODELS", "SYNTHESIS", "build", "content_key", "mutants", "simulation", "synthesise"]
 
 SYNTHESIS = "synth_ecp5 -nowidelut"
-"""As for a board: see :data:`soc.gateware.SYNTHESIS`."""
+"""For one block.  A board's own script, :data:`soc.gateware.SYNTHESIS`, maps some blocks apart before it joins them."""
 
 MODELS = [Path(__file__).parent / "models" / name for name in ("cells.v", "mutable_lut4.v", "dp16kd.v", "mult18x18d.v")]
 PLL = MODELS[0].with_name("ehxplll.v")
