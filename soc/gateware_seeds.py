@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 from soc import gateware
 from soc import gateware_report as reporting
+from tb import toolchain
 
 __all__ = ["table"]
 
@@ -38,16 +39,14 @@ def missed(report):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], prog="make gateware-seeds")
     parser.add_argument("board", help=", ".join(sorted(gateware.boards())))
-    flow = gateware.Flow(gateware.board(parser.parse_args().board))
-    flow.netlist()
+    board = gateware.board(parser.parse_args().board)
 
-    def report(seed):
-        flow.say = lambda sentence: print(f"seed {seed} {sentence}", flush=True)
-        return flow.report(seed)
+    def flow(seed):
+        return gateware.Flow(board, say=lambda sentence: print(f"seed {seed} {sentence}", flush=True))
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
-        reports = list(pool.map(report, SEEDS))
-    (flow.directory / "seeds.json").write_text(json.dumps(reports, indent=1) + "\n")
+        reports = list(pool.map(lambda seed: flow(seed).report(seed), SEEDS))
+    (toolchain.BUILD / board.name / "seeds.json").write_text(json.dumps(reports, indent=1) + "\n")
     print(table(reports))
     if any(map(missed, reports)):
         raise SystemExit("timing missed")

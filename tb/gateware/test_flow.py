@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from soc import contents, gateware
+from soc import contents, gateware, gateware_seeds
 from tb import toolchain
 from tb.gateware.tiny import CONSTRAINTS, Tiny
 
@@ -122,3 +122,26 @@ def test_the_source_of_the_product_does_not_depend_on_the_process():
 def test_an_unknown_board_is_refused_with_the_names_there_are():
     with pytest.raises(SystemExit, match="ulx3s-85f"):
         gateware.board("ulx3s")
+
+
+def test_five_seeds_of_one_netlist_are_reported_and_a_miss_fails(built, tmp_path, monkeypatch, capsys):
+    """With the reports of a routed board in place of its routes."""
+    directory, _ = built
+    report = flow(directory).report(1)
+    slow = report | {"slack_ns": report["slack_ns"] | {"fast": -0.01}}
+
+    class Reports(gateware.Flow):
+        def report(self, seed):
+            self._tell("asked")
+            return (slow if seed == 4 else report) | {"seed": seed}
+
+    (tmp_path / "tiny").mkdir()
+    monkeypatch.setattr(gateware_seeds.toolchain, "BUILD", tmp_path)
+    monkeypatch.setattr(gateware, "board", lambda name: Tiny)
+    monkeypatch.setattr(gateware, "Flow", Reports)
+    monkeypatch.setattr("sys.argv", ["seeds", "tiny"])
+    with pytest.raises(SystemExit, match="timing missed"):
+        gateware_seeds.main()
+    assert [r["seed"] for r in json.loads((tmp_path / "tiny" / "seeds.json").read_text())] == [1, 2, 3, 4, 5]
+    said = capsys.readouterr().out
+    assert all(f"seed {n}     0 s  asked" in said for n in range(1, 6)) and said.count("MISSED") == 1
