@@ -82,32 +82,30 @@ class PositionCompare(wiring.Component):
         upper, target_upper = count[half:], target[half:]
         equal = Signal(WIDTH // SLICE)
         along = Signal()                            # a step in the scan direction
-        borrow, signs = Signal(), Signal(2)
+        no_borrow, signs = Signal(), Signal(2)
         judging = Signal()
         m.d.fast += [
             equal.eq(Cat(count[n:n + SLICE] == target[n:n + SLICE] for n in range(0, WIDTH, SLICE))),
             along.eq(self.step.moved & (self.step.up ^ reverse)),
-            borrow.eq(count[:half] < target[:half]),
+            no_borrow.eq(count[:half] >= target[:half]),
             signs.eq(Cat((upper - target_upper)[half - 1], (upper + ~target_upper)[half - 1])),
             judging.eq(sampled & ~ending),
         ]
 
         # Clock 2: the verdict.
-        at, below, reached = Signal(), Signal(), Signal()
+        at, below, reached, crossed = Signal(), Signal(), Signal(), Signal()
         m.d.comb += [
             at.eq(equal.all()),
-            below.eq(Mux(borrow, signs[1], signs[0])),
-            reached.eq(at | ~(below ^ reverse)),
+            below.eq(Mux(no_borrow, signs[0], signs[1])),
+            reached.eq(at | ~(below ^ reverse)), crossed.eq(self.armed & along & at),
         ]
-        m.d.fast += self.fired.eq(0)
-        with m.If(ending):
-            m.d.fast += [self.armed.eq(0), self.active.eq(0), self.late.eq(0)]
-        with m.Elif(judging):
-            m.d.fast += [self.armed.eq(~reached), self.late.eq(reached)]
-        with m.Elif(self.armed & along & at):
-            m.d.fast += [self.armed.eq(0), self.active.eq(1), self.fired.eq(1)]
-        with m.Elif(self.done):
-            m.d.fast += self.active.eq(0)
+        # Flat, as the crossing comes late in the clock.  ``judging`` finds ``armed`` and ``late`` at 0.
+        m.d.fast += [
+            self.armed.eq(~ending & ((judging & ~reached) | (self.armed & ~crossed))),
+            self.late.eq(~ending & ((judging & reached) | self.late)),
+            self.active.eq(~ending & (crossed | (self.active & ~self.done))),
+            self.fired.eq(~ending & crossed),
+        ]
 
         answering = Signal(2)
         m.d.fast += [answering.eq(Cat(ending, answering)), self.judged.eq(answering[1])]

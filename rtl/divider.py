@@ -77,7 +77,7 @@ class HighWater(wiring.Component):
 class PixelDivider(wiring.Component):
     """Pixel k at the edge that brings progress to floor(k * N + phi), k = 1 to ``pixels``.
 
-    Domain ``fast``.  A step on ``step`` in clock 0 gives ``pixel`` in clock 2, at one step and one pixel per
+    Domain ``fast``.  A step on ``step`` in clock 0 gives ``pixel`` in clock 3, at one step and one pixel per
     clock.  Progress is the number of edges newly crossed in the scan direction while ``active``: a step that is
     in clock 1 (see above) when ``active`` first shows is the first to count.  Ground that is lost is not counted
     again when it is regained.
@@ -93,9 +93,10 @@ class PixelDivider(wiring.Component):
         Held still from the clock of ``arm`` until the next ``arm``.
     arm : In(1)
         Strobe: a new line; the results go to 0.  ``active`` may follow from the 4th clock on, and so may the
-        next ``arm``.
+        next ``arm``.  A pixel of the line before comes in the clock after ``arm`` at the latest.
     active : In(1)
-        Gate.  Falling, it ends the line; the results stay.  Falls in the clock after ``done`` at the latest.
+        Gate.  Falling, it ends the line; the results stay once a step of the clock before is judged.  Falls in the
+        clock after ``done`` at the latest, and with ``arm``.
     pixel : Out(1)
         One-clock strobe: a pixel is complete, and a pulse wanted (``settings.emit``).
     done : Out(1)
@@ -110,7 +111,8 @@ class PixelDivider(wiring.Component):
         # State, for proofs; see elaborate().
         self._edges, self._pixels = Countdown(width=WIDTH), Countdown(width=WIDTH)
         self._high_water = HighWater()
-        self._primed, self._fraction = Signal(3, name="primed"), Signal(WIDTH, name="fraction")
+        self._primed, self._fraction = Signal(4, name="primed"), Signal(WIDTH, name="fraction")
+        self._progress, self._addend = Signal(name="progress"), Signal(WIDTH, name="addend")
         self._carry, self._after, self._extra, self._advance = Signal(), Signal(), Signal(), Signal()
         super().__init__({
             "step": In(StepStream(WIDTH)), "settings": In(DividerSettings), "arm": In(1), "active": In(1),
@@ -132,18 +134,23 @@ class PixelDivider(wiring.Component):
             count.eq(self.step.count),
         ]
 
-        # Clock 1: progress, and whether it completes a pixel.  After the last pixel nothing is reloaded, so
-        # that no other follows before ``active`` falls.
-        progress, complete, extra = Signal(), Signal(), self._extra
-        primed = self._primed                       # 1 to 3 clocks after ``arm``
+        # Clock 1: progress.
+        progress = self._progress
         m.d.comb += [
             high_water.active.eq(self.active),
             high_water.forward.eq(forward), high_water.backward.eq(backward),
-            progress.eq(forward & high_water.front & self.active),
+        ]
+        m.d.fast += progress.eq(forward & high_water.front & self.active & ~self.arm)
+
+        # Clock 2: whether it completes a pixel.  After the last pixel nothing is reloaded, so that no other
+        # follows before ``active`` falls.
+        complete, extra = Signal(), self._extra
+        primed = self._primed                       # 1 to 4 clocks after ``arm``
+        m.d.comb += [
             complete.eq(progress & edges.last),
             edges.value.eq(self.settings.whole), edges.extra.eq(extra),
-            edges.load.eq(primed[2]), edges.reload.eq(~pixels.last), edges.step.eq(progress),
-            pixels.value.eq(self.settings.pixels), pixels.load.eq(primed[1]), pixels.step.eq(complete),
+            edges.load.eq(primed[3]), edges.reload.eq(~pixels.last), edges.step.eq(progress),
+            pixels.value.eq(self.settings.pixels), pixels.load.eq(primed[2]), pixels.step.eq(complete),
         ]
         m.d.fast += [
             primed.eq(Cat(self.arm, primed)),
@@ -159,16 +166,19 @@ class PixelDivider(wiring.Component):
             # Joined behind the flip-flops: ``complete`` comes late in its clock.
             advance.eq(priming | completed), following.eq(Mux(advance, carry, after)),
         ]
-        with m.If(primed[1:].any() | complete):
+        with m.If(primed[2:].any() | complete):
             m.d.fast += extra.eq(following)
+        # It begins at 0, and the first that is added is the phase: so nothing stands behind the adder.
+        addend = self._addend
+        m.d.fast += addend.eq(Mux(self.arm, self.settings.phase, self.settings.fraction))
         with m.If(self.arm):
-            m.d.fast += fraction.eq(self.settings.phase)
+            m.d.fast += fraction.eq(0)
         with m.Elif(advance):
-            m.d.fast += Cat(fraction, carry).eq(fraction + self.settings.fraction)
+            m.d.fast += Cat(fraction, carry).eq(fraction + addend)
 
-        # Clock 2: results.
-        pixel_count = Signal(signed(WIDTH))
-        m.d.fast += pixel_count.eq(count)
+        # Clock 3: results.
+        progress_count, pixel_count = Signal(signed(WIDTH)), Signal(signed(WIDTH))
+        m.d.fast += [progress_count.eq(count), pixel_count.eq(progress_count)]
         with m.If(primed[0]):
             m.d.fast += [self.produced.eq(0), self.end_position.eq(0)]
         with m.Elif(completed):

@@ -10,15 +10,15 @@ from rtl.crossing import Handover, Latch
 from rtl.divider import WIDTH_BITS, DividerPeripheral, DividerSettings, PixelDivider
 from rtl.pulse import Pulse
 from rtl.quadrature import StepStream
-from rtl.router import PINS, PinRouter, RouterPeripheral, Routes
+from rtl.router import PINS, ROUTER_LATENCY, PinRouter, RouterPeripheral, Routes
 
 __all__ = ["AXES", "LINE_LATENCY", "LineCommand", "LinePeripheral", "LineReport", "ScanLine"]
 
 AXES = 4
 
-LINE_LATENCY = 5
+LINE_LATENCY = 7
 """``fast`` clocks from the clock that shows a step to the clock that shows it at a pin: 1 axis selector,
-2 judgement, 1 pulse, 1 pin.  The same for SYNC, pixel and direct, rising and falling."""
+3 judgement, 1 pulse, 1 route, 1 pin.  The same for SYNC, pixel and direct, rising and falling."""
 
 
 LineCommand = data.StructLayout({
@@ -55,7 +55,7 @@ class AxisSelector(wiring.Component):
 class ScanLine(wiring.Component):
     """Selectors, compare, divider, pulse and router on one clock: all of the line that has edges in time.
 
-    Domain ``fast``.  A step on ``stepN`` in clock 0 shows at the pins in clock 5 (:data:`LINE_LATENCY`): SYNC
+    Domain ``fast``.  A step on ``stepN`` in clock 0 shows at the pins in clock 7 (:data:`LINE_LATENCY`): SYNC
     rises with the step that crosses the reference and falls with the one that completes the last pixel; a
     pulse rises with the step that completes its pixel; the direct output is channel A as of that step.
 
@@ -96,7 +96,7 @@ class ScanLine(wiring.Component):
             for n, step in enumerate(steps):
                 connect(m, flipped(step), getattr(selector, f"step{n}"))
 
-        # Clocks 1 and 2: judgement.
+        # Clocks 1 to 3: judgement.
         arm = Signal()
         connect(m, compare.step, compare_axis.step)
         connect(m, divider.step, divider_axis.step)
@@ -107,21 +107,22 @@ class ScanLine(wiring.Component):
             divider.settings.eq(self.command.divider), divider.arm.eq(arm), divider.active.eq(compare.active),
         ]
 
-        # Clock 3: pulse, and the levels of the same step.  ``active`` still shows the clock of ``done``.
-        # A pixel that the line before completed in the clock of ``arm`` is at the pulse a clock later.
-        armed = Signal()
-        m.d.fast += armed.eq(arm)
+        # Clock 4: pulse, and the levels of the same step.  A crossing shows in ``active`` a clock before a pixel
+        # of the same step shows; ``active`` falls a clock after ``done``.
+        armed, active = Signal(), Signal()          # a clock ago
+        m.d.fast += [armed.eq(arm), active.eq(compare.active)]
         m.d.comb += [
-            pulse.trigger.eq(divider.pixel), pulse.width.eq(self.live.width), pulse.clear.eq(arm | armed),
+            # The last pixel of the line before comes with ``armed`` at the latest, and is not counted in the new.
+            pulse.trigger.eq(divider.pixel), pulse.width.eq(self.live.width), pulse.clear.eq(armed),
             router.pixel.eq(pulse.pulse),
         ]
-        m.d.fast += router.sync.eq(compare.active & ~divider.done)
-        direct = Signal(LINE_LATENCY - 1)
+        m.d.fast += router.sync.eq(compare.active & active & ~divider.done)
+        direct = Signal(LINE_LATENCY - ROUTER_LATENCY)
         selected = Array(step.a for step in steps)[self.live.axis]
         m.d.fast += direct.eq((direct << 1) | selected)
         m.d.comb += router.direct.eq(direct[-1])
 
-        # Clock 4: pins.
+        # Clocks 5 and 6: pins.
         m.d.comb += [
             router.routes.eq(self.live.routes),
             self.out0.eq(router.out0), self.sync_out.eq(router.sync_out), self.encoder_out.eq(router.encoder_out),

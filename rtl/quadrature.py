@@ -57,40 +57,47 @@ class GlitchFilter(wiring.Component):
         Synchronised input.
     samples : In(4)
         Taken while the level stands still.
+    off : In(1)
+        ``samples`` is 0.
     load : In(1)
-        Take ``i`` at once, whatever ``samples`` is.
+        The next sample is taken at once, whatever ``samples`` is.
     still : Out(1)
         No change of level is on its way.
     change : Out(1)
-        ``level`` changes at the end of this clock (not for ``load``).
+        ``level`` changes at the end of this clock.
+    next : Out(1)
+        What ``level`` is then.
     level : Out(1)
         Filtered level; 0 at reset.
     """
 
     i: In(1)
     samples: In(FILTER_BITS)
+    off: In(1)
     load: In(1)
     still: Out(1)
     change: Out(1)
+    next: Out(1)
     level: Out(1)
 
     def __init__(self):
         super().__init__()
-        # Further samples that must differ from ``level`` before the one that is believed.
-        self._missing = Signal(FILTER_BITS)
+        # State, for proofs.  ``missing``: further samples that must differ from ``level`` before the one that is
+        # believed.  ``ready``: none is missing, or the level is being loaded.
+        self._missing, self._ready = Signal(FILTER_BITS), Signal(init=1)
 
     def elaborate(self, platform):
         m = Module()
-        missing, differs = self._missing, Signal()
+        missing, ready = self._missing, self._ready
         m.d.comb += [
-            differs.eq((self.i ^ self.level) & ~self.load),
-            self.still.eq(~differs), self.change.eq(differs & (missing == 0)),
+            self.still.eq(self.i == self.level), self.change.eq(ready & ~self.still),
+            self.next.eq(Mux(ready, self.i, self.level)),
         ]
-        with m.If(differs & (missing != 0)):
-            m.d.fast += missing.eq(missing - 1)
+        with m.If(~self.still & ~ready):
+            m.d.fast += [missing.eq(missing - 1), ready.eq((missing == 1) | self.load)]
         with m.Else():
-            m.d.fast += missing.eq(self.samples)
-        m.d.fast += self.level.eq(Mux(self.load, self.i, self.level ^ self.change))
+            m.d.fast += [missing.eq(self.samples), ready.eq(self.off | self.load)]
+        m.d.fast += self.level.eq(self.next)
         return m
 
 
@@ -133,7 +140,10 @@ class QuadratureDecoder(wiring.Component):
         if not isinstance(width, int) or width < 2:
             raise ValueError(f"the count needs at least 2 bits, not {width!r}")
         self._filters = [GlitchFilter() for _ in "abz"]
-        self._samples = Signal(FILTER_BITS)     # of the filters, while a pin moves
+        # Of the filters: wanted, and in use while a pin moves; and whether these are 0.
+        self._wanted, self._wanted_off = Signal(FILTER_BITS), Signal(init=1)
+        self._samples, self._samples_off = Signal(FILTER_BITS), Signal(init=1)
+        self._errors_full = Signal()
         super().__init__({
             "a": In(1), "b": In(1), "z": In(1), "settings": In(DecoderSettings),
             "steps": Out(StepStream(width)), "error": Out(1), "errors": Out(16),
@@ -148,22 +158,29 @@ class QuadratureDecoder(wiring.Component):
         m.d.fast += settling.eq(settling >> 1)
 
         a, b, z = self._filters
-        samples = Signal(FILTER_BITS)
-        m.d.comb += samples.eq(Mux(a.still & b.still & z.still, self.settings.filter, self._samples))
-        m.d.fast += self._samples.eq(samples)
+        samples, off, still = Signal(FILTER_BITS), Signal(), Signal()
+        m.d.comb += [
+            still.eq((a.still & b.still & z.still) | settling[0]),
+            samples.eq(Mux(still, self._wanted, self._samples)),
+            off.eq(Mux(still, self._wanted_off, self._samples_off)),
+        ]
+        m.d.fast += [
+            self._wanted.eq(self.settings.filter), self._wanted_off.eq(self.settings.filter == 0),
+            self._samples.eq(samples), self._samples_off.eq(off),
+        ]
         for name, pin, level in ("a", self.a, a), ("b", self.b, b), ("z", self.z, z):
             m.submodules[f"{name}_sync"] = FFSynchronizer(pin, level.i, o_domain="fast")
             m.submodules[f"{name}_filter"] = level
-            m.d.comb += [level.samples.eq(samples), level.load.eq(settling[0])]
+            m.d.comb += [level.samples.eq(samples), level.off.eq(off), level.load.eq(settling[1])]
 
         # Judged together with the filters' change of level.  Upward exactly when the new level of A differs
         # from the old level of B; only the case of a single change is used.
         moved, down, illegal, index = Signal(), Signal(), Signal(), Signal()
         m.d.fast += [
-            moved.eq(a.change ^ b.change),
-            down.eq(~(a.level ^ a.change ^ b.level ^ self.settings.invert)),
-            illegal.eq(a.change & b.change),
-            index.eq(z.change & ~z.level),
+            moved.eq((a.change ^ b.change) & ~settling[0]),
+            down.eq(~(a.next ^ b.level ^ self.settings.invert)),
+            illegal.eq(a.change & b.change & ~settling[0]),
+            index.eq(z.next & ~z.level & ~settling[0]),
         ]
 
         # The step, 1 or -1, is registered as the carry chain wants it: no logic between the two.
@@ -176,8 +193,12 @@ class QuadratureDecoder(wiring.Component):
             self.error.eq(illegal), self.index.eq(index),
         ]
 
-        with m.If(self.error & ~self.errors.all()):
+        # Looked up as the count changes: it is at its last value.
+        full = self._errors_full
+        another = self.error & ~full
+        with m.If(another):
             m.d.fast += self.errors.eq(self.errors + 1)
+        m.d.fast += full.eq(self.errors[1:].all() & (self.errors[0] | another))
         with m.If(self.index):
             m.d.fast += self.index_count.eq(count)
         return m

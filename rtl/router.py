@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from rtl.registers import Field, Register, RegisterBank, action
 
-__all__ = ["PINS", "PinRouter", "Route", "RouterPeripheral", "Routes", "Source"]
+__all__ = ["PINS", "ROUTER_LATENCY", "PinRouter", "Route", "RouterPeripheral", "Routes", "Source"]
 
 
 class Source(enum.Enum, shape=4):
@@ -25,13 +25,16 @@ Route = data.StructLayout({"source": 4, "invert": 1})
 PINS = {"out0": Source.LOW, "sync_out": Source.SYNC, "encoder_out": Source.PIXEL}
 """The pins, and what each shows at reset."""
 
+ROUTER_LATENCY = 2
+"""``fast`` clocks from a source to the pin: 1 route, 1 pin, whose flip-flop may sit in the pin's cell."""
+
 Routes = data.StructLayout({pin: Route for pin in PINS})
 
 
 class PinRouter(wiring.Component):
     """Select a source for each pin; every pin is a flip-flop.
 
-    Domain ``fast``.  Latency 1 clock, for all sources and pins alike.  A pin changes only in the clock in which
+    Domain ``fast``.  Latency 2 clocks (:data:`ROUTER_LATENCY`), for all sources and pins alike.  A pin changes only in the clock in which
     its source or its route does.
 
     Members
@@ -57,7 +60,8 @@ class PinRouter(wiring.Component):
                                       (Source.DIRECT, self.direct)):
                     with m.Case(source.value):
                         m.d.comb += level.eq(value)
-            m.d.fast += getattr(self, pin).eq(level ^ route.invert)
+            routed = Signal(name=f"{pin}_routed")
+            m.d.fast += [routed.eq(level ^ route.invert), getattr(self, pin).eq(routed)]
         return m
 
 

@@ -18,7 +18,7 @@ from .session import Outcome
 
 # docs/timing.md: from the fast clock that samples an encoder edge to the pin.  A number of its own, not the gateware's
 # constants: it is what the pins are held to, and the filters are off.
-LATENCY_CLOCKS = 8
+LATENCY_CLOCKS = 10
 LATENCY_WINDOW_PS = (0, 500_000)
 STANDSTILL_PS = 100_000_000_000                              # no edge for so long: the stage stands
 

@@ -32,13 +32,12 @@ class FiresOncePerArming(Proof):
     bug_depth = 12
     widths = "count and reference 32, either direction"
     bugs = {
-        "it stays armed": ("[self.armed.eq(0), self.active.eq(1), self.fired.eq(1)]",
-                           "[self.active.eq(1), self.fired.eq(1)]"),
+        "it stays armed": ("(self.armed & ~crossed)", "self.armed"),
         "it fires at a count that it comes to backward": ("self.step.up ^ reverse", "~self.step.up ^ reverse"),
         "late is judged in one direction": ("at | ~(below ^ reverse)", "at | ~below"),
         "one byte is not compared": ("at.eq(equal.all())", "at.eq(equal[1:].all())"),
         "the edge is taken for a count": ("self.settings.reference - reverse", "self.settings.reference"),
-        "the borrow is lost": ("Mux(borrow, signs[1], signs[0])", "signs[0]"),
+        "the borrow is lost": ("Mux(no_borrow, signs[0], signs[1])", "signs[0]"),
         "a disarming comes too late": ("judging.eq(sampled & ~ending)", "judging.eq(sampled)"),
     }
 

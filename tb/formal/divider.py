@@ -140,7 +140,7 @@ class PixelsFollowTheRecurrence(Proof):
     """Any line, any steps: pixel k exactly when progress first comes to floor(S), S <- S + N from S = phi."""
 
     block = "rtl.divider"
-    depth = 2
+    depth = 3
     cover_depth = 16
     bug_depth = 14
     widths = "N 32.32, phase 32, pixels 32, progress 32, sum 64"
@@ -149,10 +149,10 @@ class PixelsFollowTheRecurrence(Proof):
         "the carry is lost": ("edges.extra.eq(extra)", "edges.extra.eq(0)"),
         "the carry comes a pixel late at full rate": ("following.eq(Mux(advance, carry, after))",
                                                       "following.eq(after)"),
-        "the phase is ignored": ("fraction.eq(self.settings.phase)", "fraction.eq(0)"),
-        "ground regained counts again": ("forward & high_water.front & self.active", "forward & self.active"),
+        "the phase is ignored": ("Mux(self.arm, self.settings.phase, self.settings.fraction)", "self.settings.fraction"),
+        "ground regained counts again": ("forward & high_water.front & self.active &", "forward & self.active &"),
         "a pixel too many": ("self.done.eq(complete & pixels.last)", "self.done.eq(complete & ~pixels.last)"),
-        "the place of the next pixel is reported": ("pixel_count.eq(count)", "pixel_count.eq(self.step.count)"),
+        "the place of the next pixel is reported": ("progress_count.eq(count)", "progress_count.eq(self.step.count)"),
     }
 
     def harness(self, m, block):
@@ -173,10 +173,10 @@ class PixelsFollowTheRecurrence(Proof):
         # The user's side: settings that can work, still since the arming; a gate that opens 4 steps after it or
         # later, and closes 2 steps after the last pixel at the latest.
         age, finished, closing = Signal(3, name="age"), Signal(), Signal()
-        settled = Signal()
-        m.d.formal += [age.eq(Mux(arm, 1, Mux((age == 0) | (age == 4), age, age + 1))), closing.eq(finished & ~arm)]
+        settled, loaded = Signal(), Signal()
+        m.d.formal += [age.eq(Mux(arm, 1, Mux((age == 0) | loaded, age, age + 1))), closing.eq(finished & ~arm)]
         m.d.comb += [
-            settled.eq(age == 4),
+            settled.eq(age >= 4), loaded.eq(age == 5),
             Assume(arm | (settings == register(m, len(settings), settings))),
             Assume(~arm | (age == 0) | settled),
             Assume(~active | (settled & ~closing)),
@@ -196,13 +196,13 @@ class PixelsFollowTheRecurrence(Proof):
             m.d.formal += behind.eq(behind - 1)
         m.d.comb += Assume(~against | ~behind.all())
 
-        # The recurrence, in one number of 64 bits.  ``due`` is where the next pixel is.
+        # The recurrence, in one number of 64 bits, a step later again.  ``due`` is where the next pixel is.
         step, due, progress, wanted = Signal(64), Signal(64), Signal(32), Signal(32)
         done_pixels, end = Signal(32), Signal(signed(32))
-        forward, complete, last = Signal(), Signal(), Signal()
+        forward, complete, last, there = Signal(), Signal(), Signal(), Signal(signed(32))
         m.d.comb += [
             step.eq(Cat(fraction, whole)),
-            forward.eq(along & active & (behind == 0)),
+            forward.eq(register(m, 1, along & active & (behind == 0) & ~arm)), there.eq(register(m, signed(32), here)),
             complete.eq(forward & ~finished & ((progress + 1)[:32] == due[32:])),
             wanted.eq(Mux(arm, register(m, 32, pixels), pixels)),       # the line before counts to its own end
             last.eq(complete & (done_pixels == wanted - 1)),
@@ -210,7 +210,7 @@ class PixelsFollowTheRecurrence(Proof):
         with m.If(forward):
             m.d.formal += progress.eq(progress + 1)
         with m.If(complete):
-            m.d.formal += [due.eq(due + step), done_pixels.eq(done_pixels + 1), end.eq(here), finished.eq(last)]
+            m.d.formal += [due.eq(due + step), done_pixels.eq(done_pixels + 1), end.eq(there), finished.eq(last)]
         with m.If(arm):
             m.d.formal += [progress.eq(0), due.eq(phase + step), done_pixels.eq(0), end.eq(0), finished.eq(0)]
 
@@ -229,8 +229,8 @@ class PixelsFollowTheRecurrence(Proof):
         left, pixels_left = Signal(33), Signal(32)
         edges_left = (due[32:] - progress)[:32]         # 0 stands for 2**32, when N is nearly that
         m.d.comb += [left.eq(Cat(edges_left, edges_left == 0)), pixels_left.eq(wanted - done_pixels)]
-        steps_left(m, dut._edges, left, settled & ~finished)
-        steps_left(m, dut._pixels, pixels_left, (settled | (age == 3)) & ~finished)
+        steps_left(m, dut._edges, left, loaded & ~finished)
+        steps_left(m, dut._pixels, pixels_left, settled & ~finished)
         f = [due[:32]]
         carries = [None]
         for n in range(3):
@@ -241,18 +241,20 @@ class PixelsFollowTheRecurrence(Proof):
         first = Signal(33)
         m.d.comb += first.eq(phase + fraction)
         m.d.comb += [
-            Assert(dut._primed == Cat(age == 1, age == 2, age == 3)),
-            Assert(arm | (age == 0) | settled | dut._advance),
-            Assert(arm | (age != 1) | (dut._fraction == phase)),
-            Assert(arm | (age != 2) | (Cat(dut._fraction, dut._carry) == first)),
-            Assert(arm | (age != 3) | ((dut._extra == first[32]) & (dut._fraction == f[1])
+            Assert(dut._primed == Cat(age == n for n in range(1, 5))), Assert(dut._progress == forward),
+            Assert(~forward | loaded), Assert(arm | (age == 0) | loaded | dut._advance),
+            Assert(arm | (age < 2) | (dut._addend == fraction)),
+            Assert((age != 1) | ((dut._addend == phase) & (dut._fraction == 0))),
+            Assert(arm | (age != 2) | (dut._fraction == phase)),
+            Assert(arm | (age != 3) | (Cat(dut._fraction, dut._carry) == first)),
+            Assert(arm | (age != 4) | ((dut._extra == first[32]) & (dut._fraction == f[1])
                                        & (dut._carry == carries[1]))),
-            Assert(arm | ~settled | (dut._extra == carries[1])),
-            Assert(arm | ~settled | Mux(dut._advance, (dut._carry == carries[2]) & (dut._fraction == f[2]),
+            Assert(arm | ~loaded | (dut._extra == carries[1])),
+            Assert(arm | ~loaded | Mux(dut._advance, (dut._carry == carries[2]) & (dut._fraction == f[2]),
                                   (dut._after == carries[2]) & (dut._carry == carries[3])
                                   & (dut._fraction == f[3]))),
             Assert(arm | (age < 2) | ((dut._edges._start == whole) & (dut._pixels._start == pixels))),
-            Assert(~finished | ~dut._edges.last), Assert(~finished | settled), Assert(age <= 4),
+            Assert(~finished | ~dut._edges.last), Assert(~finished | settled), Assert(age <= 5),
             Assert(~settled | finished | (pixels_left != 0)),
             Assert(arm | settled | (age == 0)
                    | ((progress == 0) & (done_pixels == 0) & (due == (phase + step)[:64]))),

@@ -52,12 +52,11 @@ class CountsEveryEdge(Proof):
     bug_depth = 14
     widths = "count 32, errors 16, polarity any, filter off"
     bugs = {
-        "an illegal transition counts": ("a.change ^ b.change", "a.change | b.change"),
-        "the direction is that of the old level": ("down.eq(~(a.level ^ a.change ^", "down.eq(~(a.level ^"),
+        "an illegal transition counts": ("(a.change ^ b.change)", "(a.change | b.change)"),
+        "the direction is that of the old level": ("down.eq(~(a.next ^", "down.eq(~(a.level ^"),
         "the polarity is ignored": (" ^ self.settings.invert", ""),
-        "the index is taken at the falling edge": ("z.change & ~z.level", "z.change & z.level"),
-        "the levels at reset make a step": ("differs.eq((self.i ^ self.level) & ~self.load)",
-                                            "differs.eq(self.i ^ self.level)"),
+        "the index is taken at the falling edge": ("z.next & ~z.level", "~z.next & z.level"),
+        "the levels at reset make a step": ("(a.change ^ b.change) & ~settling[0]", "a.change ^ b.change"),
     }
 
     def samples(self):
@@ -101,11 +100,15 @@ class CountsEveryEdge(Proof):
             Assert(dut.index == rose), Assert(dut.index_count == index_count),
         ]
         # What induction needs to know of the inside: the filters' levels, and what they still wait for.
-        m.d.comb += self.lemmas((start == 0) | (dut._samples == samples))
+        m.d.comb += self.lemmas(
+            dut._wanted_off == (dut._wanted == 0), dut._samples_off == (dut._samples == 0),
+            (start == 0) | (dut._wanted == samples), (start < 2) | (dut._samples == samples),
+            dut._errors_full == (errors == 65535))
         for (level, run), inside in zip(believes, dut._filters):
             m.d.comb += self.lemmas(
                 inside.level == level,
-                (start == 0) | ((run <= samples) & (inside._missing == (samples - run)[:4])))
+                (start < 2) | ((run <= samples) & (inside._missing == (samples - run)[:4])),
+                inside._ready == ((inside._missing == 0) | (start < 4)))
         m.d.comb += [
             Cover((count == 3) & invert), Cover((count == -2) & (errors == 1)), Cover((index_count == 2) & ~z),
         ]
@@ -119,7 +122,7 @@ class CountsEveryFilteredEdge(CountsEveryEdge):
     bug_depth = 16
     widths = "count 32, errors 16, polarity any, filter any of 0..15"
     bugs = {
-        "one sample too few is enough": ("(missing == 0)", "(missing <= 1)"),
+        "one sample too few is enough": ("(missing == 1)", "(missing == 2)"),
         "samples need not be consecutive": (
             "missing.eq(self.samples)", "missing.eq(Mux(missing == 0, self.samples, missing))"),
     }

@@ -60,7 +60,7 @@ class Scope:
     n: Fraction | int
     pixels: int
     lines: list[tuple]
-    latency_clocks: int = 8
+    latency_clocks: int = 10
     clock_phase_ps: int = 1234
     width_ps: int = 50_000
     pulses: list[list[int]] = field(default_factory=list)

@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PIXELS = 300
 BEFORE, AFTER = 400, 60
 MEAN_PS = 400_000
-LATENCY = 8
+LATENCY = 10
 HEADER = ("$timescale 1 ps $end\n" + "".join(f"$var wire 1 {code} {name} $end\n" for code, name in
           zip("!abc", ("x_a", "x_b", "sync", "encoder"))) + "$enddefinitions $end\n")
 

@@ -15,7 +15,7 @@ from rtl.line import AXES, LINE_LATENCY, LinePeripheral
 from rtl.quadrature import DECODER_LATENCY, QuadratureDecoder
 from tb.models.line import Line, Step, expect, pulses
 
-LATENCY = DECODER_LATENCY + LINE_LATENCY        # 8 fast clocks from the clock that samples a pin to the pin
+LATENCY = DECODER_LATENCY + LINE_LATENCY        # 10 fast clocks from the clock that samples a pin to the pin
 FAST_PS = 5000
 BANKS = ("compare", "divider", "router")
 
@@ -171,7 +171,7 @@ async def check(control, line, start, since, *, width=2, slack=0):
 
 @cocotb.test(timeout_time=5, timeout_unit="ms")
 @cocotb.parametrize(n=[1, 24, 24.4, 38, 454], reverse=[False, True])
-async def every_pin_edge_comes_eight_clocks_after_its_sample(dut, n, reverse):
+async def every_pin_edge_comes_ten_clocks_after_its_sample(dut, n, reverse):
     control = Controller(dut, seed=int(n * 10) + reverse)
     await control.start()
     sign = -1 if reverse else 1

@@ -162,11 +162,11 @@ async def a_new_width_is_taken_at_the_next_pulse(dut):
         bits = live(ROUTES, width=1) if clock == 100 else None
         pins.append((await bench.tick({0: 1} if clock in (6, 7, 400) else {},
                                       command(arm=1, pixels=9) if clock == 0 else None, bits))["encoder"])
-    assert [n for n in range(1, 800) if pins[n] != pins[n - 1]] == [12, 312, 405, 406]
+    assert [n for n in range(1, 800) if pins[n] != pins[n - 1]] == [14, 314, 407, 408]
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
-@cocotb.parametrize(armed=[12, 13, 14, 15])
+@cocotb.parametrize(armed=[13, 14, 15, 16])
 async def a_pulse_of_the_line_before_is_not_merged_into_the_next(dut, armed):
     bench = Bench(dut, {0: -1})
     await bench.start(live(ROUTES, width=9))

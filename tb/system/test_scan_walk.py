@@ -3,7 +3,7 @@
 
 Each case sends what a host sends, records nothing but the pins, and is judged by the analyser of ``host/jitter``
 and by pixel counts from the definition floor(K * L / N): pulses exact in number and place, one constant latency of
-8 clocks, jitter of no more than the sampling clock.
+10 clocks, jitter of no more than the sampling clock.
 
 Lines are short in the ordinary suite; ``make test-slow`` runs them all at 1 mm (``FULL_LINES=1``).
 """
