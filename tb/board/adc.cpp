@@ -32,6 +32,16 @@ bool Adc::pins(bool cs_n, bool sck, bool din)
     return cs_n || (shift_out_ >> 15 & 1); /* not driven: pulled up */
 }
 
+uint16_t Adc::frame(uint16_t word)
+{
+    select();
+    const uint16_t result = shift_out_;
+    shift_in_ = word;
+    received_ = 16;
+    deselect();
+    return result;
+}
+
 void Adc::select()
 {
     shift_out_ = converting_ ? convert() : 0;

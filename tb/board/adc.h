@@ -25,6 +25,9 @@ public:
     /** The pins are like this now; returns the level that DOUT takes DELAY_PS later. */
     bool pins(bool cs_n, bool sck, bool din);
 
+    /** A whole frame at once: the word to the converter; returns the one from it. */
+    uint16_t frame(uint16_t word);
+
 private:
     void select();
     void deselect();

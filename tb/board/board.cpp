@@ -279,6 +279,11 @@ void board_adc_pins(struct board *board, int64_t time_ps, int cs_n, int sck, int
     board->plan();
 }
 
+uint16_t board_adc_frame(struct board *board, uint16_t word)
+{
+    return board->adc.frame(word);
+}
+
 void board_cut_pwm(struct board *board, unsigned axes)
 {
     for (unsigned n = 0; n < BOARD_AXES; n++)

@@ -82,6 +82,9 @@ void board_drive_pins(struct board *board, int64_t time_ps, unsigned pwm, unsign
 /** The converter's pins, from the controller. adc_miso follows 15.5 ns later. */
 void board_adc_pins(struct board *board, int64_t time_ps, int cs_n, int sck, int mosi);
 
+/** In their place: a whole frame at once. The word to the converter; returns the one from it. */
+uint16_t board_adc_frame(struct board *board, uint16_t word);
+
 /* -- Time -------------------------------------------------------------------------------------------------- */
 
 /** When the next thing happens: an encoder edge, a change of another pin, or the end of the plant step. */

@@ -17,7 +17,7 @@ static_assert(FAST_CLOCK_HZ == SYNC * CLOCK_HZ, "the model's clocks");
 
 constexpr unsigned AXES = 4;
 
-/** Input pins: bits of a word. Those of four belong to X, Y, Z, F from the bit named. */
+/** Input pins: bits of a word. Of pins with a number, that of number 0. */
 enum Input : unsigned {
     ENC_A = 0,
     ENC_B = 4,
@@ -28,6 +28,13 @@ enum Input : unsigned {
     IN0,
     IN1,
     SERIAL_RX,
+    BUTTON,
+    JOYSTICK_BUTTON = BUTTON + 4,
+    DIP,
+    KNOB_A = DIP + 4,
+    KNOB_B = KNOB_A + 3,
+    ADC_MISO = KNOB_B + 3,
+    INPUT_PINS,
 };
 
 /** Output pins, and from INTERRUPT on the interrupt lines by their numbers. */
@@ -39,12 +46,21 @@ enum Output : unsigned {
     SYNC_OUT,
     ENCODER_OUT,
     SERIAL_TX,
+    ADC_CS_N,
+    ADC_SCK,
+    ADC_MOSI,
     INTERRUPT = 32,
 };
 
 constexpr uint64_t bit(unsigned n)
 {
     return uint64_t(1) << n;
+}
+
+/** `count` pins from the one named on. */
+constexpr uint64_t bits(unsigned n, unsigned count)
+{
+    return ((uint64_t(1) << count) - 1) << n;
 }
 
 /** The bits of a field, from `shift` up. */
@@ -56,7 +72,7 @@ constexpr uint32_t field(uint32_t value, uint32_t mask, unsigned shift)
 /** Levels of the output pins and interrupt lines. */
 class Outputs {
 public:
-    uint64_t levels = bit(SERIAL_TX);
+    uint64_t levels = bit(SERIAL_TX) | bit(ADC_CS_N);
 
     /** From `edge` on. */
     void set(Time edge, unsigned pin, bool level)

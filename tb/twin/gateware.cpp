@@ -5,16 +5,22 @@
 
 namespace twin {
 
-Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build)
-    : identity_(build.build_id), bus_fault_(outputs), inputs_(pins), serial_(outputs), timer_(outputs, build.timer),
-      pwm_(outputs, snapshot_, pins), snapshot_(pwm_, quadrature_, build.time), line_(outputs, quadrature_),
+Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter)
+    : identity_(build.build_id), bus_fault_(outputs), serial_(outputs), timer_(outputs, build.timer),
+      inputs_(timer_, pins), buttons_(timer_, pins, build.millisecond), knobs_(pins),
+      pwm_(outputs, snapshot_, adc_, pins), adc_(outputs, pins, std::move(converter)), snapshot_(pwm_, quadrature_, build.time), line_(outputs, quadrature_),
       quadrature_{{line_, 0, pins}, {line_, 1, pins}, {line_, 2, pins}, {line_, 3, pins}}, pins_(pins)
 {
     add(identity_, REG_IDENTITY_MAGIC, REG_IDENTITY_FAST_CLOCK_HZ);
     add(bus_fault_, REG_BUS_FAULT, REG_BUS_ADDRESS);
-    add(inputs_, REG_INPUTS_LEVELS, REG_INPUTS_LEVELS);
+    add(inputs_, REG_INPUTS_LEVELS, REG_INPUTS_IN1_TIME);
     add(serial_, REG_SERIAL_DATA, REG_SERIAL_INTERRUPT_ENABLE);
     add(timer_, REG_TIMER_COUNT, REG_TIMER_INTERRUPT);
+    add(buttons_, REG_BUTTONS_LEVELS, REG_BUTTONS_EXTRA_LONG);
+    add(buttons_, REG_BUTTONS_PRESS0, REG_BUTTONS_TIME3);
+    add(knobs_, REG_KNOB_POSITION0, REG_KNOB_POSITION2);
+    add(knobs_, REG_KNOB_FILTER, REG_KNOB_ERRORS);
+    add(adc_, REG_ADC_CHANNEL0, REG_ADC_EVENTS);
     add(pwm_, REG_PWM_DUTY0, REG_PWM_DUTY_DELAY);
     add(snapshot_, REG_SNAPSHOT_CONTROL, REG_SNAPSHOT_SAMPLE_TIME_HIGH);
     add(snapshot_, REG_SNAPSHOT_SAMPLE_POSITION0, REG_SNAPSHOT_SAMPLE_POSITION3);

@@ -12,10 +12,13 @@
 
 #include <vector>
 
+#include "adc.h"
 #include "block.h"
 #include "bus_fault.h"
+#include "buttons.h"
 #include "identity.h"
 #include "inputs.h"
+#include "knob.h"
 #include "line.h"
 #include "pwm.h"
 #include "quadrature.h"
@@ -31,10 +34,11 @@ public:
     struct Build {
         uint32_t build_id = 0;
         uint64_t time = 0, timer = 0; /* of the snapshot and the timer at reset */
+        Time millisecond = CLOCK_HZ / 1000;
     };
 
-    /** After reset; the input pins have been as they are for a while. */
-    Gateware(Outputs &outputs, uint64_t pins, const Build &build);
+    /** After reset; the input pins have been as they are for a while. Without a converter it is behind pins. */
+    Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter = nullptr);
 
     /** Whether there is a register at an address. Others get a bus error. */
     bool has(uint32_t address) const;
@@ -60,6 +64,9 @@ public:
             run(next_);
     }
 
+    /** Position of an axis, as an edge sees it. */
+    int32_t count(unsigned axis, Time edge) const { return quadrature_[axis].count(edge); }
+
     /** Clocks of a bit on the serial line, as set by the firmware. */
     uint32_t serial_divisor() const { return serial_.divisor(); }
 
@@ -70,10 +77,13 @@ private:
     /* In the order in which they run at one edge: who looks at another comes before it. */
     Identity identity_;
     BusFault bus_fault_;
-    Inputs inputs_;
     Serial serial_;
     Timer timer_;
+    Inputs inputs_;
+    Buttons buttons_;
+    Knobs knobs_;
     Pwm pwm_;
+    Adc adc_;
     Snapshot snapshot_;
     Line line_;
     Quadrature quadrature_[AXES];

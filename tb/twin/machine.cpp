@@ -17,7 +17,8 @@ constexpr uint64_t DRIVES = uint64_t(0xf) << PWM | uint64_t(0xf) << DIR | bit(MO
 } // namespace
 
 Machine::Machine(struct board *board)
-    : board_(board), line_(115200), gateware_(*this, pins(), {BUILD_ID, 0, 0})
+    : board_(board), line_(115200),
+      gateware_(*this, pins(), {BUILD_ID}, [board](uint16_t word) { return board_adc_frame(board, word); })
 {
     plan();
 }
@@ -94,6 +95,8 @@ uint64_t Machine::pins() const
     return uint64_t(board.enc_a) << ENC_A | uint64_t(board.enc_b) << ENC_B | uint64_t(board.enc_z) << ENC_Z |
            uint64_t(board.limit_lower) << LIMIT_LOWER | uint64_t(board.limit_upper) << LIMIT_UPPER |
            uint64_t(board.estop) << ESTOP | uint64_t(board.in0) << IN0 | uint64_t(board.in1) << IN1 |
+           uint64_t(board.button) << BUTTON | uint64_t(board.joystick_button) << JOYSTICK_BUTTON |
+           uint64_t(board.dip) << DIP | uint64_t(board.knob_a) << KNOB_A | uint64_t(board.knob_b) << KNOB_B |
            uint64_t(line_.level()) << SERIAL_RX;
 }
 

@@ -13,8 +13,8 @@ constexpr Time PERIOD = PERIOD_CLOCKS * SYNC;
 
 } // namespace
 
-Pwm::Pwm(Outputs &outputs, Snapshot &snapshot, uint64_t pins)
-    : outputs_(outputs), snapshot_(snapshot), divider_(REG_PWM_TICK_DIVIDER_VALUE_RESET),
+Pwm::Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, uint64_t pins)
+    : outputs_(outputs), snapshot_(snapshot), adc_(adc), divider_(REG_PWM_TICK_DIVIDER_VALUE_RESET),
       delay_(REG_PWM_DUTY_DELAY_VALUE_RESET)
 {
     /* The interlock holds until it has seen the pin. */
@@ -91,6 +91,7 @@ void Pwm::run(Time edge)
             if (events_.bits & REG_PWM_INTERRUPT_TICK_MASK)
                 events_.set(edge, REG_PWM_INTERRUPT_OVERRUN_MASK);
             snapshot_.tick(edge);
+            adc_.tick(edge);
             break;
         case Kind::OFF:
             switch_off(edge);

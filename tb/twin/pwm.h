@@ -3,6 +3,7 @@
 #ifndef TWIN_PWM_H
 #define TWIN_PWM_H
 
+#include "adc.h"
 #include "agenda.h"
 #include "block.h"
 #include "snapshot.h"
@@ -11,7 +12,7 @@ namespace twin {
 
 class Pwm final : public Block, public TickListener {
 public:
-    Pwm(Outputs &outputs, Snapshot &snapshot, uint64_t pins);
+    Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, uint64_t pins);
 
     void latched(Time edge) override;
 
@@ -34,6 +35,7 @@ private:
 
     Outputs &outputs_;
     Snapshot &snapshot_;
+    Adc &adc_;
     Agenda<Kind> agenda_;
 
     int32_t duty_[AXES] = {};

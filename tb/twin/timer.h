@@ -12,6 +12,9 @@ public:
     /** `init`: the count at reset. */
     Timer(Outputs &outputs, uint64_t init) : outputs_(outputs), init_(init) {}
 
+    /** The count that `edge` sees. */
+    uint64_t count(Time edge) const { return init_ + uint64_t(edge / SYNC); }
+
     uint32_t read(uint32_t address, Time edge) override
     {
         switch (address) {
@@ -53,8 +56,6 @@ public:
     }
 
 private:
-    uint64_t count(Time edge) const { return init_ + uint64_t(edge / SYNC); }
-
     void command(uint32_t value, Time edge)
     {
         if (value & REG_TIMER_CONTROL_LATCH_MASK)

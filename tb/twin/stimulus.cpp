@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "stimulus.h"
+
+#include <algorithm>
+
+namespace twin {
+
+/* --- Pins ---------------------------------------------------------------------------------------------------- */
+
+PinStimulus::PinStimulus(Random &random) : random_(random)
+{
+    for (unsigned pin = 0; pin < INPUT_PINS; pin++) {
+        if (pin >= ENC_Z && pin != SERIAL_RX && pin != ADC_MISO)
+            slow_[pin] = random.from(200, 3000);
+    }
+}
+
+Time PinStimulus::next() const
+{
+    Time next = serial_.empty() ? serial_next_ : serial_.front().first;
+    for (const Encoder &encoder : encoders_)
+        next = std::min(next, encoder.next);
+    for (const auto &[pin, time] : slow_)
+        next = std::min(next, time);
+    return miso_.empty() ? next : std::min(next, miso_.front().first);
+}
+
+void PinStimulus::happen(Time edge)
+{
+    for (unsigned axis = 0; axis < AXES; axis++)
+        if (encoders_[axis].next == edge)
+            step(axis, edge);
+    for (auto &[pin, time] : slow_)
+        if (time == edge) {
+            levels_ ^= bit(pin);
+            /* The emergency stop is released most of the time, so that drives are on; contacts bounce, then rest. */
+            const bool rests = (pin == ESTOP && !(levels_ >> pin & 1)) || (pin >= BUTTON && !random_.one_in(3));
+            time = edge + (rests ? random_.from(1, 60000) : random_.from(1, random_.one_in(4) ? 12 : 1500));
+        }
+    while (!miso_.empty() && miso_.front().first == edge) {
+        set(ADC_MISO, miso_.front().second);
+        miso_.pop_front();
+    }
+    if (serial_.empty() && serial_next_ == edge)
+        frame(edge);
+    while (!serial_.empty() && serial_.front().first == edge) {
+        set(SERIAL_RX, serial_.front().second);
+        serial_.pop_front();
+        if (serial_.empty())
+            serial_next_ = edge + Time(divisor) * SYNC * (random_.one_in(3) ? 1 : random_.from(1, 4));
+    }
+}
+
+/** An encoder edge; now and then both channels at once, a spike, or another speed or direction. */
+void PinStimulus::step(unsigned axis, Time edge)
+{
+    Encoder &encoder = encoders_[axis];
+    if (encoder.left == 0) {
+        static constexpr Time slowest[] = {1, 3, 8, 20, 60, 300, 3000};
+        encoder.gap = slowest[random_.from(0, 6)];
+        encoder.left = unsigned(random_.from(1, encoder.gap < 100 ? 200 : 10));
+        encoder.direction = random_.one_in(2) ? 1 : -1;
+    }
+    encoder.left--;
+    if (random_.one_in(9))
+        encoder.direction = -encoder.direction;
+    if (random_.one_in(300)) {
+        levels_ ^= bit(ENC_A + axis) | bit(ENC_B + axis);
+    } else {
+        const bool a = levels_ >> (ENC_A + axis) & 1, b = levels_ >> (ENC_B + axis) & 1;
+        levels_ ^= bit((a == b) == (encoder.direction > 0) ? ENC_A + axis : ENC_B + axis);
+    }
+    encoder.next = edge + random_.from(1, encoder.gap);
+}
+
+void PinStimulus::convert(uint64_t outputs, Time edge)
+{
+    if (random_.one_in(400)) {
+        converter_.set_input(unsigned(random_.from(0, 7)), double(random_.from(-10, 4200)) / 4096);
+        connected_ = !random_.one_in(8);
+    }
+    const bool level = converter_.pins(outputs >> ADC_CS_N & 1, outputs >> ADC_SCK & 1, outputs >> ADC_MOSI & 1);
+    miso_.push_back({edge + 4, level || !connected_});
+}
+
+/** A byte on the serial line, a little fast or slow; or a break, or noise. */
+void PinStimulus::frame(Time edge)
+{
+    const Time bit_fast = Time(divisor) * SYNC;
+    Time at = edge;
+    if (random_.one_in(8)) {
+        for (int64_t n = random_.from(1, 5); n > 0; n--) {
+            serial_.push_back({at, n % 2 == 0});
+            at += random_.from(1, 14 * bit_fast);
+        }
+        serial_.push_back({at, true});
+        return;
+    }
+    const unsigned bits = random_.one_in(3) ? 0x200u : unsigned(0x200 | random_.from(0, 255) << 1);
+    const Time length = std::max<Time>(4, bit_fast + random_.from(-bit_fast / 50, bit_fast / 50));
+    for (unsigned n = 0; n < 10; n++, at += length)
+        serial_.push_back({at, bits >> n & 1});
+}
+
+/* --- Bus ----------------------------------------------------------------------------------------------------- */
+
+BusStimulus::BusStimulus(Random &random, const std::vector<Field> &fields) : random_(random)
+{
+    for (const Field &field : fields) {
+        if (writable_.find(field.address) == writable_.end())
+            addresses_.push_back(field.address);
+        writable_[field.address] |= field.access != "R";
+    }
+}
+
+Access BusStimulus::next(const Now &now)
+{
+    if (!script_.empty()) {
+        const Access access = script_.front();
+        script_.pop_front();
+        return access;
+    }
+    if (random_.one_in(60))
+        line(now);
+    if (random_.one_in(5000)) /* fill the transmitter */
+        for (int64_t n = random_.from(30, 80); n > 0; n--)
+            script_.push_back({REG_SERIAL_DATA, random_.word(), true, 15});
+    if (random_.one_in(500)) /* nowhere, or not a whole word */
+        return {random_.one_in(2) ? random_.word() & 0x7fffffff : 0xfffff000 | (random_.word() & 0xfff),
+                random_.word(), random_.one_in(2), unsigned(random_.from(0, 14))};
+    const uint32_t address = addresses_[size_t(random_.from(0, int64_t(addresses_.size()) - 1))];
+    const bool write = random_.one_in(writable_[address] ? 2 : 20);
+    return {address, write ? value(address, now) : 0, write, 15};
+}
+
+/** Settings of a line that will be crossed, arming, and a look at what it became. */
+void BusStimulus::line(const Now &now)
+{
+    const unsigned axis = unsigned(random_.from(0, 3));
+    const auto write = [&](uint32_t address, uint32_t value) { script_.push_back({address, value, true, 15}); };
+    if (random_.one_in(2))
+        write(REG_QUADRATURE_CONFIG + axis * REG_QUADRATURE_STRIDE, 0);
+    write(REG_DIVIDER_AXIS, random_.one_in(6) ? unsigned(random_.from(0, 3)) : axis);
+    write(REG_DIVIDER_WHOLE, uint32_t(random_.from(1, random_.one_in(3) ? 9 : 2)));
+    write(REG_DIVIDER_FRACTION, random_.one_in(3) ? 0 : random_.word());
+    write(REG_DIVIDER_PHASE, random_.one_in(3) ? ~0u : random_.word());
+    write(REG_DIVIDER_PIXELS, uint32_t(random_.from(1, random_.one_in(2) ? 4 : 60)));
+    write(REG_DIVIDER_WIDTH, uint32_t(random_.from(1, random_.one_in(2) ? 3 : 40)));
+    write(REG_DIVIDER_INTERVAL_MIN, random_.one_in(16) ? uint32_t(random_.from(0, 20)) : ~0u);
+    write(REG_DIVIDER_CONFIG, !random_.one_in(5));
+    const bool reverse = random_.one_in(2);
+    write(REG_COMPARE_CONFIG, axis << REG_COMPARE_CONFIG_AXIS_SHIFT | (reverse ? REG_COMPARE_CONFIG_REVERSE_MASK : 0));
+    write(REG_COMPARE_REFERENCE, uint32_t(now.count[axis] + (reverse ? -1 : 1) * random_.from(-2, 12)));
+    write(REG_COMPARE_CONTROL, REG_COMPARE_CONTROL_ARM_MASK);
+    for (int64_t looks = random_.from(0, 12); looks > 0; looks--)
+        script_.push_back({looks % 2 ? REG_COMPARE_STATUS : REG_DIVIDER_PRODUCED, 0, false, 15});
+    for (const uint32_t address : {REG_DIVIDER_MERGED, REG_DIVIDER_END_POSITION, REG_COMPARE_INTERRUPT})
+        script_.push_back({address, 0, false, 15});
+}
+
+uint32_t BusStimulus::value(uint32_t address, const Now &now)
+{
+    const bool leaves_little_to_see = address == REG_SERIAL_DIVISOR || address == REG_PWM_TICK_DIVIDER ||
+                                      address == REG_BUTTONS_DEBOUNCE || address == REG_KNOB_FILTER;
+    if (random_.one_in(leaves_little_to_see ? 60 : 16) && address != REG_SERIAL_DIVISOR)
+        return random_.word();
+    switch (address) {
+    case REG_SERIAL_DIVISOR:
+        /* Long bits would leave nothing to see. */
+        return random_.one_in(300) ? random_.word() : uint32_t(random_.from(0, random_.one_in(8) ? 40 : 12));
+    case REG_SERIAL_INTERRUPT_ENABLE: return uint32_t(random_.from(0, 7));
+    case REG_TIMER_ALARM: return now.timer + uint32_t(random_.from(-30, 200));
+    case REG_PWM_CONTROL: return random_.one_in(3) ? random_.word() : 0xf;
+    case REG_PWM_TICK_DIVIDER: return uint32_t(random_.from(0, 3));
+    case REG_PWM_DUTY_DELAY: return uint32_t(random_.from(0, 4));
+    case REG_DIVIDER_WHOLE:
+    case REG_DIVIDER_PIXELS:
+    case REG_DIVIDER_WIDTH: return uint32_t(random_.from(0, 9));
+    case REG_DIVIDER_INTERVAL_MIN: return random_.one_in(2) ? ~0u : uint32_t(random_.from(0, 20));
+    case REG_COMPARE_REFERENCE: return uint32_t(now.count[random_.from(0, 3)] + random_.from(-20, 20));
+    case REG_ADC_CONTROL: return !random_.one_in(4);
+    case REG_BUTTONS_DEBOUNCE:
+    case REG_KNOB_FILTER: return uint32_t(random_.from(0, 4));
+    case REG_BUTTONS_LONG:
+    case REG_BUTTONS_EXTRA_LONG: return uint32_t(random_.from(0, 12));
+    case REG_COMPARE_CONTROL:
+        return random_.one_in(4) ? random_.word() : random_.one_in(3) ? REG_COMPARE_CONTROL_DISARM_MASK
+                                                                      : REG_COMPARE_CONTROL_ARM_MASK;
+    default: break;
+    }
+    if (address >= REG_QUADRATURE_CONFIG && address < REG_QUADRATURE_CONFIG + AXES * REG_QUADRATURE_STRIDE &&
+        (address - REG_QUADRATURE_CONFIG) % REG_QUADRATURE_STRIDE == 0)
+        return random_.one_in(2) ? 0 : random_.one_in(3) ? random_.word() : uint32_t(random_.from(0, 3));
+    return random_.word();
+}
+
+} // namespace twin
