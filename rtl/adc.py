@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Eight analog channels: an SPI master for the converters MAX11120 to MAX11128, once around per servo tick.
 
-Facts of the converter: data sheet 19-5903, "MAX11120-MAX11128, 1Msps, Low-Power, Serial 12-/10-/8-Bit, 4-/8-/16-Channel
-ADCs", tables of the registers (mode control: SCAN, CHSEL, RESET, CHAN_ID, SWCNV) and serial timing: words of 16 bits, the
-most significant first; DIN is taken at the rising edge of SCLK, DOUT changes at the falling one; results carry their
-channel in the top four bits and their value left-justified in the other twelve, whatever the part's resolution.
+Facts of the converter, of Maxim's data sheet "MAX11120-MAX11128, 1Msps, Low-Power, Serial 12-/10-/8-Bit, 4-/8-/16-Channel
+ADCs" as public drivers quote it (github.com/emard/ulx3s-misc, examples/adc; Maxim's MAX11131 library for mbed): the
+register codes and the fields of mode control (SCAN, CHSEL, RESET, CHAN_ID, SWCNV); words of 16 bits, the most
+significant first; DIN is taken at the rising edge of SCLK, DOUT changes at the falling one; results carry their
+channel in the top four bits and their value left-justified in the other twelve, whatever the part's resolution.  What
+they do not agree on, the frame a result comes in and the idle level of SCLK, is found out.
 """
 
 from amaranth import Array, Cat, Module, Mux, Signal, unsigned

@@ -2,7 +2,7 @@
 /**
  * The board's analog-to-digital converter, a MAX11125: 12 bit, 8 channels, on SPI.
  *
- * Data sheet 19-5903. Words of 16 bits, the most significant first; DIN is taken at rising edges of SCLK; the first
+ * As Maxim's data sheet MAX11120-MAX11128 has it. Words of 16 bits, the most significant first; DIN is taken at rising edges of SCLK; the first
  * result bit comes with the selection, the others at falling edges. A command takes effect at the end of its frame;
  * the conversion starts with the next selection, and its result is that frame's.
  */

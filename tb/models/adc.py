@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """An analog-to-digital converter of the family MAX11120 to MAX11128, as its pins and its host see it.
 
-From data sheet 19-5903: 16-bit words, DIN taken at rising edges of SCLK, DOUT changing after falling ones; the mode
+From Maxim's data sheet of the family, as public drivers quote it: 16-bit words, DIN taken at rising edges of SCLK, DOUT changing after falling ones; the mode
 control register (bit 15 is 0) with SCAN in bits 14 to 11, CHSEL 10 to 7, RESET 6 to 5, PM 4 to 3, CHAN_ID 2; the registers
 behind the codes 10000 to 10110.  Time comes in from outside, in nanoseconds.
 """
