@@ -26,6 +26,7 @@ from rtl.line import LINE_LATENCY
 from rtl.pwm import PERIOD_CLOCKS
 from rtl.quadrature import DECODER_LATENCY
 from rtl.registers import Field, Register
+from rtl.router import ROUTER_LATENCY
 from rtl.serial import FIFO_BYTES
 from soc import top
 from soc.header import render_header
@@ -161,7 +162,8 @@ def files():
     interrupts = dict(sorted((p.interrupt for p in top.PERIPHERALS if p.interrupt), key=lambda i: i[1]))
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ, "DECODER_LATENCY": DECODER_LATENCY,
-                 "LINE_LATENCY": LINE_LATENCY, "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES}
+                 "LINE_LATENCY": LINE_LATENCY, "ROUTER_LATENCY": ROUTER_LATENCY,
+                 "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES}
     return {
         "build/generated/regs.h": render_header(blocks, constants, interrupts),
         "build/generated/memory.ld": render_memory(top.REGIONS),

@@ -6,9 +6,9 @@ namespace twin {
 namespace {
 
 /* From a step to the verdict whether it crosses the reference or makes progress: axis selector 1, compare 2. From
- * there to the pulse or the edge of SYNC; and from these to the pins. */
-constexpr Time VERDICT = 3, PIN = LINE_LATENCY == 5 ? 1 : 2, PULSE = LINE_LATENCY - VERDICT - PIN;
-static_assert(LINE_LATENCY == 5 || LINE_LATENCY == 7, "the line of which this is the model");
+ * there to the pulse or the edge of SYNC: completion of a pixel 1, pulse 1. From these to the pins: the router. */
+constexpr Time VERDICT = 3, PULSE = LINE_LATENCY - VERDICT - ROUTER_LATENCY;
+static_assert(PULSE == 2, "the line of which this is the model");
 
 /* Requests of the report and of the live settings leave again as soon as they may, from reset on. */
 constexpr Time ROUND = 4 * SYNC, CAPTURED = ACTS_IN_FAST, REPORTED = ROUND;
@@ -198,7 +198,7 @@ void Line::run(Time edge)
             touch(edge);
             break;
         case Kind::SYNC_RISES:
-            set_sync(active_.before(edge) && active_.before(edge - PULSE + 1), edge);
+            set_sync(active_.before(edge) && active_.before(edge - 1), edge);
             break;
         case Kind::END: end(edge); break;
         case Kind::PRIMED:
@@ -219,19 +219,19 @@ void Line::run(Time edge)
             break;
         case Kind::LIVE:
             live_in_force_.set(edge, live_sent_);
-            agenda_.add(edge + 1, Kind::SHOW);
+            agenda_.add(edge + ROUTER_LATENCY, Kind::SHOW);
             agenda_.add(edge + 1, Kind::DIRECT);
             break;
         case Kind::DIRECT: {
             const bool level = encoders_[live_in_force_.before(edge).axis].a(edge);
             if (level != direct_taken_)
-                agenda_.add(edge + LINE_LATENCY - PIN - 1, Kind::DIRECT_OUT, level);
+                agenda_.add(edge + LINE_LATENCY - ROUTER_LATENCY - 1, Kind::DIRECT_OUT, level);
             direct_taken_ = level;
             break;
         }
         case Kind::DIRECT_OUT:
             direct_.set(edge, event.value);
-            agenda_.add(edge + PIN, Kind::SHOW);
+            agenda_.add(edge + ROUTER_LATENCY, Kind::SHOW);
             break;
         }
     }
@@ -270,8 +270,6 @@ void Line::end(Time edge)
     state_.armed = state_.active = state_.late = false;
     watching_ = command_.arm;
     if (command_.arm) {
-        if (PULSE == 1)
-            state_.merged = 0;
         const uint64_t place = uint64_t(settings.phase) + settings.fraction;
         edges_left_ = settings.whole + (place >> 32);
         fraction_ = uint32_t(place);
@@ -309,7 +307,7 @@ void Line::verdict(uint64_t packed, Time edge)
         agenda_.add(edge + 1, Kind::STARTED);
         agenda_.add(edge + PULSE, Kind::SYNC_RISES);
     }
-    if (PULSE == 2 && edge == ends_ && command_.arm)
+    if (edge == ends_ && command_.arm)
         return;
     if (active_.before(edge) && axis == line_.divider_axis)
         progress(forward, count, edge);
@@ -364,22 +362,23 @@ void Line::trigger(Time edge)
 void Line::set_sync(bool level, Time edge)
 {
     if (level != sync_.last())
-        agenda_.add(edge + PIN, Kind::SHOW);
+        agenda_.add(edge + ROUTER_LATENCY, Kind::SHOW);
     sync_.set(edge, level);
 }
 
 void Line::set_pulse(bool level, Time edge)
 {
     if (level != pulse_.last())
-        agenda_.add(edge + PIN, Kind::SHOW);
+        agenda_.add(edge + ROUTER_LATENCY, Kind::SHOW);
     pulse_.set(edge, level);
 }
 
 void Line::show_pins(Time edge)
 {
+    const Time routed = edge - ROUTER_LATENCY + 1;
     constexpr unsigned pins[PINS] = {OUT0, SYNC_OUT, ENCODER_OUT};
-    const bool levels[] = {false, true, sync_.before(edge), pulse_.before(edge), direct_.before(edge)};
-    const Live &live = live_in_force_.before(edge);
+    const bool levels[] = {false, true, sync_.before(routed), pulse_.before(routed), direct_.before(routed)};
+    const Live &live = live_in_force_.before(routed);
 
     for (unsigned pin = 0; pin < PINS; pin++) {
         const uint32_t source = field(live.router[pin], REG_ROUTER_OUT0_SOURCE_MASK, REG_ROUTER_OUT0_SOURCE_SHIFT);

@@ -35,7 +35,7 @@ private:
         REPORT,      /* which reaches the registers */
         SEND,        /* a command leaves the registers */
         SEND_LIVE,   /* so do routes, width and axis of the direct output */
-        SHOW,        /* at the pins: a source or a route changed a clock ago */
+        SHOW,        /* at the pins: a source or a route changed ROUTER_LATENCY ago */
         STEP,        /* the verdict on a step */
         PIXEL,       /* what follows from it a clock later */
         STARTED,

@@ -123,9 +123,9 @@ void Quadrature::show_pins(unsigned levels, Time edge)
     for (const Wire &wire : wire_)
         if (wire.change != NEVER)
             moved_ = edge - 1;
-    /* A new filter is taken while all stand still; `edge - 1` set how many samples are still to come. */
+    /* A new filter is taken while all stand still, a clock after its setting; `edge - 1` decided on it. */
     if (moved_ < edge - 1)
-        samples_ = settings_.before(edge - 1).filter;
+        samples_ = settings_.before(edge - 2).filter;
     for (unsigned n = 0; n < WIRES; n++) {
         Wire &wire = wire_[n];
         wire.pin = levels >> n & 1;
