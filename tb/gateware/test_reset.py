@@ -183,4 +183,4 @@ def test_reset(simulate):
 @pytest.mark.parametrize("value", [0, -1, 1.5])
 def test_a_wait_of_no_clocks_is_refused(name, value):
     with pytest.raises(ValueError, match=name):
-        ResetSequencer(**{name: value})
+        ResetSequencer(**{"hold_clocks": 1, "quiet_clocks": 1} | {name: value})
