@@ -43,7 +43,6 @@ the deepest of its module, and beside the processor that would be everywhere."""
 
 SYNTHESIS = f"""
 setattr -mod -set keep_hierarchy 1 {FAST_MODULES}
-select -assert-mod-count 6 {FAST_MODULES}
 synth_ecp5 -top top -run begin:map_luts
 abc9 -W 300
 setattr -mod -unset keep_hierarchy *
