@@ -24,8 +24,8 @@
 
 static void start(void)
 {
-    (void)settings_factory_next(); /* whatever tests before have saved */
     machine_start();
+    SEND("SU X- Y-", DONE); /* kept at once by tests before */
     panel_start();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->init != NULL)
