@@ -8,8 +8,9 @@ feedback, phase; DCCA: clock enable), and Lattice FPGA-DS-02012, "ECP5 and ECP5-
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil
 
-from amaranth import ClockDomain, ClockSignal, Const, Instance, Module, Signal
+from amaranth import ClockDomain, ClockSignal, Const, Instance, Module, Shape, Signal
 from amaranth.lib import wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out
@@ -97,11 +98,11 @@ class ResetSequencer(wiring.Component):
 
     Domain ``board``, a clock that runs whether or not the PLL does.  A reset net that reaches thousands of
     flip-flops does not cross the chip within a clock of 5 ns, and half the design leaving reset a clock early is a
-    spurious event.  So the order is: stop the clocks, raise ``reset``, run the clocks (``HOLD_CLOCKS``), stop
+    spurious event.  So the order is: stop the clocks, raise ``reset``, run the clocks (``hold_clocks``), stop
     them, lower ``reset``, run.  Every domain sees the same reset, whole, and they restart together.
 
     The sequence starts when the configuration ends, when ``locked`` falls and when ``request`` rises; it waits,
-    with ``reset`` high, until ``locked`` has been high and ``request`` low for ``HOLD_CLOCKS``.
+    with ``reset`` high, until ``locked`` has been high and ``request`` low for ``hold_clocks``.
 
     Parameters
     ----------
@@ -122,10 +123,7 @@ class ResetSequencer(wiring.Component):
         PLL does; falls as the clocks start after reset.
     """
 
-    HOLD_CLOCKS = 256               # 10 us at 25 MHz: 512 clocks of 50 MHz, where 3 would do
-    QUIET_CLOCKS = 16               # 640 ns for the reset to reach every flip-flop
-
-    def __init__(self, *, hold_clocks=HOLD_CLOCKS, quiet_clocks=QUIET_CLOCKS):
+    def __init__(self, *, hold_clocks, quiet_clocks):
         for name, value in (("hold_clocks", hold_clocks), ("quiet_clocks", quiet_clocks)):
             if not isinstance(value, int) or value < 1:
                 raise ValueError(f"{name} must be an integer of at least 1, not {value!r}")
@@ -201,7 +199,8 @@ class ClockGate(wiring.Component):
 class ClockGenerator(wiring.Component):
     """The domains of the controller from a board's oscillator.
 
-    Makes the domain ``board`` for its own use; ``sync`` and ``fast`` leave as signals.
+    Makes the domain ``board`` for its own use; ``sync`` and ``fast`` leave as signals.  Reset takes as long with any
+    oscillator: ``HOLD_NS`` and ``QUIET_NS``, see :class:`ResetSequencer`.
 
     Parameters
     ----------
@@ -221,8 +220,13 @@ class ClockGenerator(wiring.Component):
         1 = drive nothing that moves.
     """
 
+    HOLD_NS = 10_240                # 512 clocks of 50 MHz, where 3 would do
+    QUIET_NS = 640                  # for the reset to reach every flip-flop
+
     def __init__(self, *, input_hz, sync_hz, fast_hz):
         self.settings = PllSettings.find(input_hz, (fast_hz, sync_hz))
+        self._hold_clocks, self._quiet_clocks = (ceil(Fraction(ns * input_hz, 10**9))
+                                                 for ns in (self.HOLD_NS, self.QUIET_NS))
         super().__init__({"oscillator": In(1), "request": In(1), "fast_clk": Out(1), "sync_clk": Out(1),
                           "reset": Out(1, init=1), "safe": Out(1, init=1)})
 
@@ -242,7 +246,8 @@ class ClockGenerator(wiring.Component):
             i_PHASESEL0=Const(0), i_PHASESEL1=Const(0), i_PHASEDIR=Const(1), i_PHASESTEP=Const(1),
             i_PHASELOADREG=Const(1),
         )
-        m.submodules.sequencer = sequencer = ResetSequencer()
+        m.submodules.sequencer = sequencer = ResetSequencer(hold_clocks=self._hold_clocks,
+                                                            quiet_clocks=self._quiet_clocks)
         m.submodules.fast_gate = fast_gate = ClockGate()
         m.submodules.sync_gate = sync_gate = ClockGate()
         m.d.comb += [
@@ -260,12 +265,16 @@ INTERNAL = {f"{prefix}{signal}" for prefix in DOMAINS.values() for signal in ("c
 MOVES = "pwm", "motor_enable"
 """Outputs that move things: held low, behind their flip-flops, while the clocks cannot be trusted."""
 
+STOPS = "estop", "limit_lower", "limit_upper"
+"""Inputs that stop things when they are 1, as with a broken wire."""
+
 
 class Board(wiring.Component):
     """The controller on a board: every pin of :class:`soc.top.Abbe` under its own name, clocks and reset.
 
     A board is a subclass in ``soc/board_<family>.py`` and ``constraints/<name>.lpf``, which gives every member
-    a place.  It may add members of its own by ``PINS`` and use them in :meth:`system`.
+    a place.  It may add members of its own by ``PINS`` and use them in :meth:`system`, and do without some of the
+    controller's by ``ABSENT``.  docs/porting.md walks through one.
 
     Class attributes
     ----------------
@@ -284,6 +293,10 @@ class Board(wiring.Component):
         Options for the bitstream.
     PINS : dict
         Members of the board itself.
+    ABSENT : dict
+        Members of the controller that are no pins of this board: ``{input: the level it reads, output: None}``.
+        Inputs that stop things, :data:`STOPS`, can only read all ones; :exc:`ValueError` if one is to read
+        anything else, if a level does not fit, and for a name that is no pin of the controller.
 
     Parameters
     ----------
@@ -295,6 +308,7 @@ class Board(wiring.Component):
     ram_bytes = REGIONS[-1].size
     ecppack = ()
     PINS = {}
+    ABSENT = {}
 
     @classmethod
     def regions(cls):
@@ -304,9 +318,24 @@ class Board(wiring.Component):
 
     def __init__(self, *, build_id=0):
         self.controller = Abbe(build_id=build_id, regions=self.regions())
-        self._pins = {name: member for name, member in self.controller.signature.members.items()
-                      if name not in INTERNAL}
+        pins = {name: member for name, member in self.controller.signature.members.items() if name not in INTERNAL}
+        for name, level in self.ABSENT.items():
+            self._check_absent(name, pins.get(name), level)
+        self._pins = {name: member for name, member in pins.items() if name not in self.ABSENT}
         super().__init__({self.oscillator[0]: In(1), **self._pins, **self.PINS})
+
+    def _check_absent(self, name, member, level):
+        if member is None:
+            raise ValueError(f"{self.name}: {name!r} in ABSENT is no pin of the controller")
+        highest = (1 << Shape.cast(member.shape).width) - 1
+        if member.flow is Out:
+            allowed, expected = level is None, "None, as it is an output"
+        elif name in STOPS:
+            allowed, expected = level == highest, f"{highest}, as with a broken wire"
+        else:
+            allowed, expected = isinstance(level, int) and 0 <= level <= highest, f"an integer from 0 to {highest}"
+        if not allowed:
+            raise ValueError(f"{self.name}: {name} in ABSENT must be {expected}, not {level!r}")
 
     def system(self, m, clocks):
         """Connect the members of the board itself; ``clocks`` is its :class:`ClockGenerator`."""
@@ -328,5 +357,8 @@ class Board(wiring.Component):
                 m.d.comb += inside.eq(outside)
             else:
                 m.d.comb += outside.eq(inside & ~clocks.safe.replicate(len(inside)) if name in MOVES else inside)
+        for name, level in self.ABSENT.items():
+            if level is not None:
+                m.d.comb += getattr(controller, name).eq(level)
         self.system(m, clocks)
         return m

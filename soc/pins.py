@@ -131,13 +131,14 @@ class Facts:
 
     ``places`` are the balls by place, ``held`` the places that the top must drive, with the reason.  ``fine_ports``
     need a bank with fast input and output registers.  ``headers`` are rows of (left, right) pins, each (number,
-    name), seen from above.
+    name); ``view`` says how they are seen.
     """
     places: dict
     restrictions: tuple = ()
     held: dict = field(default_factory=dict)
     fine_ports: tuple = ()
     headers: dict = field(default_factory=dict)
+    view: str = "seen from above"
     io_types: tuple = ("LVCMOS33",)
 
 

@@ -14,8 +14,8 @@ OTHER_COLOUR, SUPPLY_COLOUR, GROUND_COLOUR = "#999999", "#ffffff", "#222222"
 
 PITCH = 26
 COLUMN = 90, 690
-"""Left edges of the drawings of two headers, with room for names on both sides."""
-SIDE, NAME_WIDTH = 22, 190
+"""Left edges of the drawings of two headers, with room for names on both sides; further ones go below them."""
+SIDE, NAME_WIDTH, TITLE_HEIGHT = 22, 190, 60
 
 
 def arrow(direction, left):
@@ -35,21 +35,23 @@ def render_page(constraints, board_file):
              f"For {names}. Directions are as the FPGA sees them; *italic* is allotted for later.", ""]
     if facts and facts.headers:
         at = {pin.place: pin for pin in constraints.pins}
-        lines += [f"![The headers from above]({board_file.name}-pins.svg)", ""]
+        lines += [f"![The headers]({board_file.name}-pins.svg)", ""]
         for header, rows in facts.headers.items():
-            lines += [f"## {header}, from above, USB sockets at the top", "",
+            lines += [f"## {header}, {facts.view}", "",
                       "| signal | place | pin | pin | place | signal |", "|---:|---:|---:|:---|:---|:---|"]
             for (left, left_place), (right, right_place) in rows:
-                numbers |= {left_place: f"{header}-{left}", right_place: f"{header}-{right}"}
+                named = (left_place, f"{header}-{left}"), (right_place, f"{header}-{right}")
+                numbers |= {place: name for place, name in named if place in facts.places and place != name}
                 lines.append(f"| {signal(at.get(left_place))} | {left_place} | {left} | {right} | {right_place} | "
                              f"{signal(at.get(right_place))} |")
             lines.append("")
     for group, title in constraints.groups.items():
-        lines += [f"## {title}", "", "| port | place | header pin | ball | bank | direction | undriven | what |",
-                  "|---|---|---|---|---|---|---|---|"]
+        columns = ["port", "place", *["header pin"] * bool(numbers), "ball", "bank", "direction", "undriven", "what"]
+        lines += [f"## {title}", "", f"| {' | '.join(columns)} |", "|" + "---|" * len(columns)]
         for pin in (p for p in constraints.pins if p.group == group):
             name = f"*{pin.name}*" if pin.reserved else f"`{pin.name}`"
-            lines.append(f"| {name} | {pin.place} | {numbers.get(pin.place, '')} | {pin.ball} | {balls[pin.ball].bank} | "
+            number = f"{numbers.get(pin.place, '')} | " if numbers else ""
+            lines.append(f"| {name} | {pin.place} | {number}{pin.ball} | {balls[pin.ball].bank} | "
                          f"{pin.direction} | {pin.settings['PULLMODE'].lower()} | {pin.what} |")
         lines.append("")
     return "\n".join(lines[:-1]) + "\n"
@@ -60,25 +62,27 @@ def signal(pin):
 
 
 def render_drawing(constraints, facts):
-    """The headers from above as SVG, each pin in the colour of its group."""
+    """The headers as SVG, each pin in the colour of its group."""
     at = {pin.place: pin for pin in constraints.pins}
     drawn = {at[place].group for rows in facts.headers.values() for row in rows for _number, place in row if place in at}
     used = [group for group in constraints.groups if group in drawn]
-    top = 60
-    legend = top + max(map(len, facts.headers.values())) * PITCH + 30
+    block = TITLE_HEIGHT + max(map(len, facts.headers.values())) * PITCH
+    legend = block * -(-len(facts.headers) // len(COLUMN)) + 30
     width, height = 1080, legend + 30 * -(-len(used) // 3) + 40
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
            'font-family="sans-serif" font-size="13">',
            f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
-    for x0, (header, header_rows) in zip(COLUMN, facts.headers.items()):
-        x0 += NAME_WIDTH - COLUMN[0]
+    for n, (header, header_rows) in enumerate(facts.headers.items()):
+        x0, top = COLUMN[n % len(COLUMN)] + NAME_WIDTH - COLUMN[0], TITLE_HEIGHT + n // len(COLUMN) * block
         out.append(text(x0 + SIDE + 2, top - 26, header, anchor="middle", weight="bold", size=16))
         for row, pins in enumerate(header_rows):
             y = top + row * PITCH
             for left, (number, place) in zip((True, False), pins):
                 x = x0 + (0 if left else SIDE + 4)
-                out += pin_drawing(x, y, number, place, at.get(place), left)
-    out.append(text(width / 2 - 40, top - 40, "USB sockets at the top; seen from above", anchor="middle", size=12))
+                label = place if place != f"{header}-{number}" else ""
+                out += pin_drawing(x, y, number, label, at.get(place), left)
+    view = facts.view[0].upper() + facts.view[1:]
+    out.append(text(width / 2 - 40, TITLE_HEIGHT - 40, view, anchor="middle", size=12))
     for i, group in enumerate(used):
         x, y = 60 + 340 * (i % 3), legend + 30 * (i // 3)
         out.append(f'<rect x="{x}" y="{y - 12}" width="16" height="16" fill="{COLOURS.get(group, OTHER_COLOUR)}"/>')
@@ -88,9 +92,9 @@ def render_drawing(constraints, facts):
     return "\n".join([*out, "</svg>"]) + "\n"
 
 
-def pin_drawing(x, y, number, place, pin, left):
-    """One square with its number, its place outside, and its signal farther outside."""
-    dark = place == "GND"
+def pin_drawing(x, y, number, label, pin, left):
+    """One square with its number, its label outside, and its signal farther outside."""
+    dark = label == "GND"
     fill, opacity = GROUND_COLOUR if dark else SUPPLY_COLOUR, 1
     if pin:
         fill, opacity = COLOURS.get(pin.group, OTHER_COLOUR), 0.35 if pin.reserved else 1
@@ -100,11 +104,13 @@ def pin_drawing(x, y, number, place, pin, left):
            text(x + SIDE / 2, y + SIDE / 2 + 4, str(number), anchor="middle", size=10,
                 colour="#ffffff" if dark else "#222222")]
     edge, step, anchor = (x - 6, -1, "end") if left else (x + SIDE + 6, 1, "start")
-    out.append(text(edge, y + SIDE / 2 + 4, place, anchor=anchor, size=11, colour="#555555"))
+    if label:
+        out.append(text(edge, y + SIDE / 2 + 4, label, anchor=anchor, size=11, colour="#555555"))
     if pin:
-        label = arrow(pin.direction, left)
-        name = f"{pin.name} {label}" if left else f"{label} {pin.name}"
-        out.append(text(edge + step * 36, y + SIDE / 2 + 5, name, anchor=anchor, style="italic" if pin.reserved else None))
+        to_pin = arrow(pin.direction, left)
+        name = f"{pin.name} {to_pin}" if left else f"{to_pin} {pin.name}"
+        out.append(text(edge + step * 36 * bool(label), y + SIDE / 2 + 5, name, anchor=anchor,
+                        style="italic" if pin.reserved else None))
     return out
 
 

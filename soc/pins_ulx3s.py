@@ -88,4 +88,5 @@ FACTS = Facts(
         "J2": header(14, 27, left="gn", right="gp", top=("5V in", "5V out"), middle=(GROUND, SUPPLY), bottom=SUPPLY,
                      falling=True),
     },
+    view="seen from above, USB sockets at the top",
 )

