@@ -94,7 +94,9 @@ const char *joystick_device_name(unsigned axis)
 static void ended(unsigned axis, enum motion_end why)
 {
     (void)why;
-    hands[axis].refused = hands[axis].deflection;
+    /* May be told twice: HALT is, as it comes in and in its turn. */
+    if (hands[axis].deflection != 0)
+        hands[axis].refused = hands[axis].deflection;
     hands[axis].deflection = 0;
 }
 
