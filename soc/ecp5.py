@@ -207,6 +207,12 @@ class ClockGenerator(wiring.Component):
     input_hz, sync_hz, fast_hz : int
         Frequencies; :exc:`ValueError` if the PLL cannot make them exactly.
 
+    Attributes
+    ----------
+    settings : PllSettings
+    hold_clocks, quiet_clocks : int
+        Of the oscillator.
+
     Members
     -------
     oscillator : In(1)
@@ -225,8 +231,7 @@ class ClockGenerator(wiring.Component):
 
     def __init__(self, *, input_hz, sync_hz, fast_hz):
         self.settings = PllSettings.find(input_hz, (fast_hz, sync_hz))
-        self._hold_clocks, self._quiet_clocks = (ceil(Fraction(ns * input_hz, 10**9))
-                                                 for ns in (self.HOLD_NS, self.QUIET_NS))
+        self.hold_clocks, self.quiet_clocks = (ceil(Fraction(ns * input_hz, 10**9)) for ns in (self.HOLD_NS, self.QUIET_NS))
         super().__init__({"oscillator": In(1), "request": In(1), "fast_clk": Out(1), "sync_clk": Out(1),
                           "reset": Out(1, init=1), "safe": Out(1, init=1)})
 
@@ -246,8 +251,8 @@ class ClockGenerator(wiring.Component):
             i_PHASESEL0=Const(0), i_PHASESEL1=Const(0), i_PHASEDIR=Const(1), i_PHASESTEP=Const(1),
             i_PHASELOADREG=Const(1),
         )
-        m.submodules.sequencer = sequencer = ResetSequencer(hold_clocks=self._hold_clocks,
-                                                            quiet_clocks=self._quiet_clocks)
+        m.submodules.sequencer = sequencer = ResetSequencer(hold_clocks=self.hold_clocks,
+                                                            quiet_clocks=self.quiet_clocks)
         m.submodules.fast_gate = fast_gate = ClockGate()
         m.submodules.sync_gate = sync_gate = ClockGate()
         m.d.comb += [
