@@ -43,7 +43,7 @@ class Ulx3s85F(Ulx3s):
 
 
 class Ulx3s25F(Ulx3s):
-    """A check of area and timing: its 56 EBR hold half the RAM, too little for the whole firmware."""
+    """A check of area and timing: its 56 EBR hold a quarter of the RAM, too little for the whole firmware."""
     name, device = "ulx3s-25f", "LFE5U-25F"
     ram_bytes = 64 << 10
 

@@ -40,9 +40,9 @@ DOMAINS = {"sync": "", "fast": "fast_", "cpu": "cpu_"}
 
 REGIONS = (
     Region("boot", plusarg="boot", address=0x0000_0000, size=8 << 10, writable=False),
-    Region("ram", plusarg="firmware", address=0x0001_0000, size=128 << 10, writable=True),
+    Region("ram", plusarg="firmware", address=0x0002_0000, size=256 << 10, writable=True),
 )
-MEMORY_ADDRESS_BITS = 18
+MEMORY_ADDRESS_BITS = 19
 
 REGISTERS = 0xffff_f000
 """First address of the 4 KiB of registers.  The most significant bit set means: not cached."""

@@ -27,6 +27,11 @@ static struct queue from_main, from_interrupt;
 static uint64_t (*clock_fast)(void);
 static volatile bool lost; /* an event found its queue full; logged by events_poll */
 
+bool events_heard(enum event_name name)
+{
+    return hooks[name].interrupt_count + hooks[name].main_count > 0;
+}
+
 static bool add(hook *list, uint8_t *count, hook run)
 {
     if (*count == EVENT_HOOKS_MAX)

@@ -16,7 +16,7 @@
 
 enum event_name {
     EVENT_NONE,         /* ends a table */
-    EVENT_SERVO_TICK,   /* each tick, after the step; argument: its number. Interrupt hooks only */
+    EVENT_SERVO_TURN,   /* each turn of the servo, 0.5 ms; argument: its tick. Interrupt hooks only */
     EVENT_MOVE_DONE,    /* a commanded move has ended and settled; argument: axis */
     EVENT_BUSY,         /* the answer of STATUS changed; argument: 1 busy, 0 not */
     EVENT_HALT,         /* everything was stopped; argument: 1 when that ended a commanded move */
@@ -56,6 +56,9 @@ bool events_init(const struct module *const *modules);
 /** The clock that stamps events published by core, in fast clocks. Without one they carry 0. */
 void events_set_clock(uint64_t (*now_fast)(void));
 uint64_t events_now(void);
+
+/** Some module subscribes to an event. For publishers that are in a hurry. */
+bool events_heard(enum event_name name);
 
 /** Publish from the main loop. */
 void events_publish(enum event_name name, uint32_t argument, uint64_t time_fast);

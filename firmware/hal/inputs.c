@@ -43,3 +43,12 @@ uint32_t inputs_dip(void)
 {
     return inputs_levels_dip_get();
 }
+
+uint32_t inputs_of_axis(unsigned axis)
+{
+    uint32_t levels = inputs_levels_read();
+
+    return (levels >> (REG_INPUTS_LEVELS_LIMIT_LOWER_SHIFT + axis) & 1u ? INPUTS_LIMIT_LOWER : 0u) |
+           (levels >> (REG_INPUTS_LEVELS_LIMIT_UPPER_SHIFT + axis) & 1u ? INPUTS_LIMIT_UPPER : 0u) |
+           (levels & REG_INPUTS_LEVELS_ESTOP_MASK ? INPUTS_ESTOP : 0u);
+}

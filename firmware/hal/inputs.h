@@ -32,4 +32,8 @@ bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges);
 /** DIP switches: bit n is switch n of the board, 1: on. */
 uint32_t inputs_dip(void);
 
+/** Those of an axis, as bits; the emergency stop is everybody's. For the tick interrupt. */
+enum { INPUTS_LIMIT_LOWER = 1, INPUTS_LIMIT_UPPER = 2, INPUTS_ESTOP = 4 };
+uint32_t inputs_of_axis(unsigned axis);
+
 #endif

@@ -3,9 +3,10 @@
 
 #include "regs.h"
 
-void pwm_set_steps(unsigned axis, int32_t steps)
+void pwm_set_steps(const int32_t steps[PWM_AXES])
 {
-    pwm_duty_write(axis, steps);
+    for (unsigned axis = 0; axis < PWM_AXES; axis++)
+        pwm_duty_write(axis, steps[axis]);
 }
 
 void pwm_enable(uint32_t axes)

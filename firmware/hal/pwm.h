@@ -7,15 +7,17 @@
 #include <stdint.h>
 
 enum {
+    PWM_AXES = 4,
     PWM_FULL_STEPS = 2500, /* duty of full drive; also the clocks of a period */
     PWM_PERIOD_US = 50,
 };
 
 /**
- * Set the duty of an axis, -PWM_FULL_STEPS to PWM_FULL_STEPS. The gateware takes those of all axes
- * together, 100 us after the servo tick (register DutyDelay).
+ * Set the duties of all axes, each -PWM_FULL_STEPS to PWM_FULL_STEPS. The gateware takes them
+ * together: two PWM periods after the servo tick (register DutyDelay), at the next tick if that
+ * comes earlier.
  */
-void pwm_set_steps(unsigned axis, int32_t steps);
+void pwm_set_steps(const int32_t steps[PWM_AXES]);
 
 /** Drive exactly these axes (bit mask); the others brake. */
 void pwm_enable(uint32_t axes);

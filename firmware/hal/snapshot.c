@@ -3,12 +3,17 @@
 
 #include "regs.h"
 
-void snapshot_tick(struct snapshot *snapshot)
+void snapshot_tick_positions(int32_t position_counts[SNAPSHOT_AXES])
 {
     for (unsigned axis = 0; axis < SNAPSHOT_AXES; axis++)
-        snapshot->position_counts[axis] = snapshot_tick_position_read(axis);
-    snapshot->time_fast = snapshot_tick_time_low_read();
-    snapshot->time_fast |= (uint64_t)snapshot_tick_time_high_read() << 32;
+        position_counts[axis] = snapshot_tick_position_read(axis);
+}
+
+uint64_t snapshot_tick_time_fast(void)
+{
+    uint64_t time_fast = snapshot_tick_time_low_read();
+
+    return time_fast | (uint64_t)snapshot_tick_time_high_read() << 32;
 }
 
 void snapshot_now(struct snapshot *snapshot)

@@ -13,7 +13,8 @@ struct snapshot {
 };
 
 /** What the last servo tick latched. Consistent when called before the next tick. */
-void snapshot_tick(struct snapshot *snapshot);
+void snapshot_tick_positions(int32_t position_counts[SNAPSHOT_AXES]);
+uint64_t snapshot_tick_time_fast(void);
 
 /** Latch now. Takes about a microsecond: waits until the values have crossed. Main loop only. */
 void snapshot_now(struct snapshot *snapshot);

@@ -22,7 +22,7 @@ static const uint32_t LINES =
     INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
 
 /* Ticks between two turns of the main loop that nothing else asks for: a millisecond. */
-#define TICKS_PER_TURN 5u
+#define TICKS_PER_TURN (1000u / AXIS_TICK_US)
 
 static struct console console;
 static bool reset_wanted;

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /**
- * The motion pipeline of each axis, once a servo tick: set-point, limits, loop, drive.
+ * The motion pipeline of each axis, once a servo tick: set-point, loop, drive.
  *
- *     plan -> profile -> (transform: none yet) -> limit switches -> loop -> duty
+ *     plan -> profile -> (transform: none yet) -> loop -> duty
+ *
+ * Every tick serves what is fast: set-points, PID, duties of all axes. What need not be fast takes
+ * turns: switches, enables, modes, feed-forward and supervision of one axis each tick, so each
+ * axis' turn comes every LOOP_TURN_TICKS.
  *
  * Two sides. The tick interrupt (axis_tick) owns the profile, the loop and the report of each axis.
  * The main loop owns the settings, the enable switch and the plan that is not in use; it hands a
@@ -20,12 +24,15 @@
 #include "core/axis.h"
 #include "servo/loop.h"
 
-/** PWM periods in a servo tick, and what follows from it: 5 kHz. */
-#define AXIS_TICK_PWM_PERIODS 4u
-#define AXIS_TICK_US 200u
+/** PWM periods in a servo tick, and what follows from it: 10 kHz. */
+#define AXIS_TICK_PWM_PERIODS 2u
+#define AXIS_TICK_US 100u
 
-/** Ticks of standstill after which an axis that was let go is regulated again: 20 ms. */
-#define AXIS_REST_TICKS 100u
+/** Time from one turn of an axis to the next, in which settings of the loop are counted. */
+#define AXIS_TURN_US (AXIS_TICK_US * LOOP_TURN_TICKS)
+
+/** Turns of standstill after which an axis that was let go is regulated again: 20 ms. */
+#define AXIS_REST_TURNS (20000u / AXIS_TURN_US)
 
 /** Why the interrupt stopped an axis. */
 enum axis_stop {
@@ -34,8 +41,9 @@ enum axis_stop {
     AXIS_STOP_LIMIT_UPPER,
     AXIS_STOP_INHIBITED,   /* emergency stop, or disabled while it moved */
     AXIS_STOP_NOT_SETTLED, /* the loop gave up */
-    AXIS_STOP_DEAD,        /* the same, and stays off until it is enabled again */
+    AXIS_STOP_DEAD,        /* this and the next: off until it is enabled again */
     AXIS_STOP_RUNAWAY,
+    AXIS_STOP_OVERFLOW,
 };
 
 /** What the interrupt did since the start. The main loop compares with what it has seen. */
@@ -48,11 +56,14 @@ struct axis_report {
     bool stop_at_start; /* the limit switch was closed already when the motion began */
 };
 
-/** An axis at one tick. */
+/** An axis at one tick; what the loop decides is as of its last turn. */
 struct axis_view {
-    uint64_t tick;
+    uint32_t tick; /* the lower bits of its number */
+    uint32_t generation; /* counts what puts the set-point elsewhere than predicted */
     struct profile_point setpoint;
     int64_t end_q32;         /* where the motion in progress will end, or the set-point at rest */
+    uint64_t begin_tick;     /* of the plan in progress */
+    const struct profile_plan *plan; /* in progress, or NULL */
     bool ramping;            /* the set-point accelerates or brakes */
     bool ramping_up;         /* it accelerates */
     bool planned;            /* a plan is in progress */
@@ -89,17 +100,20 @@ uint64_t axis_time_fast(void);
 uint32_t axis_tick_cycles(void);
 uint32_t axis_tick_cycles_max(void);
 
+/** A commanded motion of the axis has begun and has not ended. */
+bool axis_commanded(unsigned axis);
+
 /** The axis, all of it as of one tick. */
 void axis_read(unsigned axis, struct axis_view *view);
 
-/** What an axis that moves was told and did at one tick. */
+/** What an axis that moves was told and did at its last turn. */
 struct axis_sample {
     int32_t target_counts;   /* of the set-point, rounded down */
     int32_t position_counts;
     int32_t duty_steps;
 };
 
-/** For hooks of EVENT_SERVO_TICK: this tick's sample. False: no motion of the axis in progress. */
+/** For hooks of EVENT_SERVO_TURN: its last turn's sample. False: no motion of the axis in progress. */
 bool axis_sample(unsigned axis, struct axis_sample *sample);
 
 /** Give an axis new loop settings; they are copied, and taken as a whole at a tick. */
@@ -112,8 +126,14 @@ bool axis_enabled(unsigned axis);
 /** The emergency stop holds all drives off, now. */
 bool axis_inhibited(void);
 
-/** The set-point an axis will have at a tick from now on, if nothing stops it. */
-struct profile_point axis_predict(unsigned axis, uint64_t tick);
+/**
+ * The set-point an axis will have at a tick from now on, if nothing stops it, and the generation
+ * that holds for.
+ */
+struct profile_point axis_predict(unsigned axis, uint64_t tick, uint32_t *generation);
+
+/** Drive an axis at a constant duty, open loop, until it is 0, or a switch, stop or move ends it. */
+void axis_spin(unsigned axis, int32_t duty_steps);
 
 /** Withdraw a plan that has not begun, and get the one to write the next into. */
 struct profile_plan *axis_plan(unsigned axis);
@@ -121,14 +141,13 @@ struct profile_plan *axis_plan(unsigned axis);
 /**
  * Hand over the plan from axis_plan, to begin at `tick`.
  *
- * It begins only if the set-point then is exactly `start`, which it was planned from; otherwise the
+ * It begins only if the set-point is then what axis_predict said, by its generation; otherwise the
  * handover is late. At rest that holds at any tick, so a plan from rest can only be delayed.
  *
  * @param commanded  The motion is reported when it arrives, after the pause (WT); a stop is neither
  *                   reported nor followed by a pause, and ends the one in progress.
  */
-void axis_hand_over(unsigned axis, const struct profile_point *start, uint64_t tick,
-                    bool commanded);
+void axis_hand_over(unsigned axis, uint32_t generation, uint64_t tick, bool commanded);
 
 enum axis_handover axis_handover(unsigned axis);
 

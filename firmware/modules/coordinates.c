@@ -106,6 +106,12 @@ static void rescaled(unsigned axis, double value)
     tuning_apply(axis);
 }
 
+void coordinates_set_scale(unsigned axis, double scale)
+{
+    counts_per_mm[axis] = scale;
+    rescaled(axis, scale);
+}
+
 static const struct parameter parameters[] = {
     {
         .command = "UM", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 6,

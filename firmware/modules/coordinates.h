@@ -29,6 +29,9 @@ double coordinates_counts_per_mm(unsigned axis);
 /** UM, not 0; its sign is turned round when the axis is reversed. */
 double coordinates_units_per_mm(unsigned axis);
 
+/** Give CNTS another value. */
+void coordinates_set_scale(unsigned axis, double counts_per_mm);
+
 /** A growing user coordinate is a falling count: UM is negative, or the axis is reversed. */
 bool coordinates_mirrored(unsigned axis);
 

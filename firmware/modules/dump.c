@@ -15,7 +15,7 @@ enum {
 #define MARK_FAST (UINT64_C(600) * 200000000)
 
 struct sample {
-    uint32_t tick;
+    uint32_t turn;
     int32_t target_counts, position_counts;
     int16_t duty_steps;
     uint8_t axis;
@@ -29,7 +29,8 @@ static struct sample samples[DUMP_STEPS];
 static unsigned next, used;
 static volatile bool recording;
 static volatile bool overwrites;
-static volatile uint32_t ticks_per_sample;
+static volatile uint32_t turns_per_sample;
+static uint32_t turns;
 
 /* Of the main loop. */
 static double overwrite, interval;
@@ -39,7 +40,7 @@ static uint64_t mark_due_fast;
 
 static void record(const struct event *event)
 {
-    if (!recording || event->argument % ticks_per_sample != 0)
+    if (!recording || turns++ % turns_per_sample != 0)
         return;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         if (used == DUMP_STEPS && !overwrites)
@@ -49,7 +50,7 @@ static void record(const struct event *event)
         if (!axis_sample(axis, &now))
             continue;
         samples[next] = (struct sample){
-            .tick = event->argument,
+            .turn = turns - 1,
             .target_counts = now.target_counts,
             .position_counts = now.position_counts,
             .duty_steps = (int16_t)now.duty_steps,
@@ -58,6 +59,7 @@ static void record(const struct event *event)
         next = next + 1 < DUMP_STEPS ? next + 1 : 0;
         used += used < DUMP_STEPS;
     }
+    (void)event;
 }
 
 /* --- The main loop ----------------------------------------------------------------------------- */
@@ -75,7 +77,7 @@ static void print_sample(struct reply *reply, unsigned n)
     const unsigned first = used < DUMP_STEPS ? 0 : next;
     const struct sample *sample = &samples[(first + n) % DUMP_STEPS];
     const int32_t values[] = {
-        (int32_t)(sample->tick - samples[first].tick), sample->axis,
+        (int32_t)(sample->turn - samples[first].turn), sample->axis,
         sample->target_counts, sample->position_counts,
         sample->target_counts - sample->position_counts, sample->duty_steps,
     };
@@ -139,7 +141,7 @@ static void set_overwrite(unsigned axis, double value)
 static void set_interval(unsigned axis, double value)
 {
     (void)axis;
-    ticks_per_sample = (uint32_t)value;
+    turns_per_sample = (uint32_t)value;
 }
 
 /* A mark every ten minutes shows how old the entries before it are; two marks in a row say no more. */
@@ -162,7 +164,7 @@ static const struct command commands[] = {
     {
         .name = "DUMP", .shortcut = "DU", .form = FORM_P, .run = dump,
         .accepts = ARGUMENT_BARE, .letters = "XY",
-        .summary = "The last motions, a line for each tick and axis: tick, axis number, set-point, "
+        .summary = "The last motions, a line for each turn of the servo and axis: turn, axis number, set-point, "
                    "position, error (counts), drive (steps). X clears them and the error log, "
                    "Y prints the error log, newest first.",
     },
@@ -177,15 +179,15 @@ static const struct parameter parameters[] = {
         .summary = "A full record: 0 ends until DU X, 1 goes on over the oldest lines.",
     },
     {
-        .command = "DUMP", .letter = 'T', .type = PARAMETER_INTEGER, .unit = "ticks",
+        .command = "DUMP", .letter = 'T', .type = PARAMETER_INTEGER, .unit = "turns",
         .minimum = 1, .maximum = 32767, .initial = 1, .value = &interval, .set = set_interval,
-        .saved = SAVED_NEVER, .summary = "Servo ticks between two recorded ones.",
+        .saved = SAVED_NEVER, .summary = "Turns of the servo, 0.5 ms, from one recorded to the next.",
     },
     {0},
 };
 
 static const struct subscription subscriptions[] = {
-    {EVENT_SERVO_TICK, EVENT_IN_INTERRUPT, record},
+    {EVENT_SERVO_TURN, EVENT_IN_INTERRUPT, record},
     {0},
 };
 

@@ -216,7 +216,7 @@ static const char *command_state(const struct page *page)
 static const char *move_state(const struct page *page)
 {
     static const char *const modes[] = {
-        [LOOP_FREE] = "OFF", [LOOP_IDLE] = "IDLE", [LOOP_TRACK] = "CONSTANT",
+        [LOOP_FREE] = "OFF", [LOOP_SPIN] = "SPIN", [LOOP_HOLD] = "HOLD", [LOOP_IDLE] = "IDLE", [LOOP_TRACK] = "CONSTANT",
         [LOOP_SETTLE] = "SETTLE", [LOOP_WAIT] = "PAUSE",
     };
 

@@ -20,6 +20,7 @@
 #include "modules/ring_buffer.h"
 #include "modules/save_positions.h"
 #include "modules/scan.h"
+#include "modules/screw.h"
 #include "modules/settings.h"
 #include "modules/status.h"
 #include "modules/ttl.h"
@@ -30,6 +31,7 @@
 /* Start-up runs `init` in this order, and each turn of the main loop `poll`. */
 const struct module *const firmware_modules[] = {
     &inputs_module, /* before what converts coordinates */
+    &screw_module,
     &coordinates_module,
     &limits_module,
     &tuning_module,

@@ -8,10 +8,11 @@
 #include "modules/limits.h"
 #include "modules/tuning.h"
 
-/* Ticks between planning and the start of a plan, for each axis planned: a plan takes up to 0.9 ms
- * on the target. When it was late all the same, the next one gets twice the time. */
-#define LEAD_TICKS 6u
-#define LEAD_TICKS_LATE 12u
+/* Ticks between planning and the start of a plan, for each axis planned: 1.5 ms; a plan takes up to
+ * 0.9 ms of the target's processor. When it was late all the same, the next one gets twice the
+ * time. */
+#define LEAD_TICKS (1500u / AXIS_TICK_US)
+#define LEAD_TICKS_LATE (2u * LEAD_TICKS)
 
 /* What the main loop knows of an axis. The rest is in axis.h. */
 struct motion {
@@ -75,26 +76,32 @@ const struct motion_owner *motion_owner(unsigned axis)
     return motions[axis].owner;
 }
 
-/* Write the plan of an axis for a start at `tick`; `start`: the set-point it starts from. */
-static void plan(unsigned axis, uint64_t tick, struct profile_point *start)
+/* Write the plan of an axis for a start at `tick`; returns the generation it holds for. */
+static uint32_t plan(unsigned axis, uint64_t tick)
 {
     struct motion *m = &motions[axis];
     struct profile_plan *made = axis_plan(axis);
     double speed_per_tick = m->move.speed_counts_per_s * (AXIS_TICK_US * 1e-6);
-    double acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms);
+    struct profile_bounds bounds = {
+        .speed = speed_per_tick,
+        .acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms),
+        .jerk_ticks = m->stopping ? 0.0 : tuning_jerk_ticks(axis),
+    };
     int64_t target_q32 = (int64_t)m->move.target_counts * (INT64_C(1) << 32);
+    uint32_t generation;
+    struct profile_point start = axis_predict(axis, tick, &generation);
 
-    *start = axis_predict(axis, tick);
     if (m->stopping)
-        target_q32 = profile_stop_q32(start, acceleration);
+        target_q32 = profile_stop_q32(&start, &bounds);
     m->end_counts = (int32_t)(target_q32 >> 32);
-    profile_plan_move(made, start, target_q32, speed_per_tick, acceleration);
+    profile_plan_move(made, &start, target_q32, &bounds);
+    return generation;
 }
 
 /* Make the plans of some axes and hand them over, all to begin at one tick. */
 static void launch(unsigned axes, unsigned lead_ticks)
 {
-    struct profile_point starts[AXIS_COUNT];
+    uint32_t generations[AXIS_COUNT];
     uint64_t tick = axis_ticks() + 1;
 
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
@@ -102,10 +109,10 @@ static void launch(unsigned axes, unsigned lead_ticks)
             tick += lead_ticks;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
-            plan(axis, tick, &starts[axis]);
+            generations[axis] = plan(axis, tick);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
-            axis_hand_over(axis, &starts[axis], tick, !motions[axis].stopping);
+            axis_hand_over(axis, generations[axis], tick, !motions[axis].stopping);
 }
 
 /* Plan the moves that wait. */
@@ -171,7 +178,7 @@ void motion_stop(unsigned axes)
         if ((m->stopping && view.planned) || (!view.planned && !view.commanded))
             continue;
         m->stopping = true;
-        m->move.speed_counts_per_s = tuning_counts_per_s(axis, TUNING_SPEED_MAX_MM_PER_S);
+        m->move.speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis));
         m->move.ramp_ms = TUNING_BRAKE_MS;
         moving |= MOTION_AXIS(axis);
     }
@@ -195,6 +202,7 @@ void motion_enable(unsigned axis, bool enable)
     if (!enable) {
         motions[axis].waiting = false;
         (void)axis_plan(axis);
+        tell(axis, MOTION_DISABLED);
     }
 }
 
@@ -211,7 +219,6 @@ bool motion_ready(unsigned axis)
 bool motion_axis_busy(unsigned axis)
 {
     const struct motion *m = &motions[axis];
-    struct axis_view view;
 
     if (m->owner == NULL || !m->owner->busy)
         return false;
@@ -221,8 +228,7 @@ bool motion_axis_busy(unsigned axis)
         return false;
     if (axis_handover(axis) != AXIS_HANDOVER_NONE)
         return true;
-    axis_read(axis, &view);
-    return view.commanded;
+    return axis_commanded(axis);
 }
 
 bool motion_busy(void)
@@ -263,8 +269,7 @@ int32_t motion_target_counts(unsigned axis)
 
 double motion_speed_max_mm_per_s(unsigned axis)
 {
-    (void)axis;
-    return TUNING_SPEED_MAX_MM_PER_S;
+    return tuning_speed_max_mm_per_s(axis);
 }
 
 static enum motion_end why(enum axis_stop stop)
@@ -293,6 +298,8 @@ static uint16_t code(unsigned axis, const struct axis_report *report)
         return (uint16_t)(FAULT_AXIS_DEAD + axis);
     case AXIS_STOP_RUNAWAY:
         return (uint16_t)(FAULT_RUNAWAY + axis);
+    case AXIS_STOP_OVERFLOW:
+        return (uint16_t)(FAULT_ENCODER_OVERFLOW + axis);
     default:
         return FAULT_NONE;
     }

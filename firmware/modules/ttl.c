@@ -50,7 +50,7 @@ static bool at_constant_speed(unsigned axis)
     struct axis_view view;
 
     axis_read(axis, &view);
-    return view.planned && view.commanded && !view.ramping && view.setpoint.velocity_q32 != 0;
+    return view.planned && view.commanded && !view.ramping && view.setpoint.velocity_q48 != 0;
 }
 
 static void end_pulse(void)

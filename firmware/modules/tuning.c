@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "modules/tuning.h"
 
+#include <math.h>
+
 #include "hal/pwm.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
+#include "modules/screw.h"
 
 static double speed_mm_per_s[AXIS_COUNT];
 static double ramp_ms[AXIS_COUNT];
 static double finish_mm[AXIS_COUNT];
 static double drift_mm[AXIS_COUNT];
 static double wait_ms[AXIS_COUNT];
+static double jerk_ms[AXIS_COUNT];
+static double maintain[AXIS_COUNT];
 static double runaway_mm[AXIS_COUNT];
 static double kp[AXIS_COUNT], ki[AXIS_COUNT], kd[AXIS_COUNT], kv[AXIS_COUNT], ka[AXIS_COUNT];
 
@@ -18,13 +23,33 @@ static const struct pid_gains fixed_gains = {
     .friction_steps = 250,
     .approach_per_s = 300,
     .knee_counts_per_s = 150,
-    .derivative_filter_us = 400,
+    .derivative_filter_us = 300,
     .output_limit_steps = PWM_FULL_STEPS,
 };
+
+/* From a drive to its torque: the winding's time constant, and half of the tick and the PWM period
+ * between them. */
+#define LAG_US 600.0
 
 double tuning_speed_mm_per_s(unsigned axis)
 {
     return speed_mm_per_s[axis];
+}
+
+double tuning_speed_max_mm_per_s(unsigned axis)
+{
+    return screw_of(axis)->speed_max_mm_per_s;
+}
+
+void tuning_set_speed(unsigned axis, double speed)
+{
+    speed_mm_per_s[axis] = speed;
+}
+
+/* The fastest at most, which hosts find out by asking for more. */
+static double clipped(unsigned axis, double speed)
+{
+    return fmin(speed, tuning_speed_max_mm_per_s(axis));
 }
 
 double tuning_ramp_ms(unsigned axis)
@@ -62,31 +87,40 @@ int32_t tuning_drift_counts(unsigned axis)
     return counts(axis, drift_mm[axis]);
 }
 
-static uint32_t ticks(double time_ms)
+double tuning_jerk_ticks(unsigned axis)
 {
-    return (uint32_t)tuning_ticks(time_ms);
+    return jerk_ms[axis] * (1000.0 / AXIS_TICK_US);
+}
+
+/* Turns of the loop in a time, at least one. */
+static uint32_t turns(double time_ms)
+{
+    double count = ceil(time_ms * (1000.0 / AXIS_TURN_US));
+
+    return count < 1.0 ? 1 : (uint32_t)count;
 }
 
 void tuning_apply(unsigned axis)
 {
     struct pid_gains gains = fixed_gains;
     struct loop_config config = {
+        .lag_q31 = (int32_t)(2147483648.0 * AXIS_TICK_US / (AXIS_TICK_US + LAG_US)),
         .finish_counts = tuning_finish_counts(axis),
         .drift_counts = tuning_drift_counts(axis),
         .runaway_counts = counts(axis, runaway_mm[axis]),
-        .runaway_ticks = ticks(10.0),
+        .runaway_turns = turns(10.0),
         .behind_counts = counts(axis, 0.02),
-        .dead_ticks = ticks(100.0),
-        .settle_ticks = ticks(2.0),
-        .settle_limit_ticks = ticks(500.0),
-        .wait_ticks = wait_ms[axis] > 0 ? ticks(wait_ms[axis]) : 0,
-        .lead_ticks = ticks(0.6),
+        .dead_turns = turns(100.0),
+        .settle_turns = turns(2.0),
+        .settle_limit_turns = turns(500.0),
+        .wait_turns = wait_ms[axis] > 0 ? turns(wait_ms[axis]) : 0,
+        .maintain = (enum loop_maintain)maintain[axis],
         .nudge = {
             .reach_counts = 24,
             .first_steps = 1000,
             .limit_steps = PWM_FULL_STEPS,
-            .pulse_ticks = ticks(0.2),
-            .rest_ticks = ticks(0.8),
+            .pulse_ticks = 200u / AXIS_TICK_US,
+            .rest_turns = turns(1.0),
         },
     };
 
@@ -108,6 +142,12 @@ static void changed(unsigned axis, double value)
     tuning_apply(axis);
 }
 
+static enum status not_reserved(unsigned axis, double value)
+{
+    (void)axis;
+    return (int)value == LOOP_MAINTAIN_RESERVED ? STATUS_RANGE : STATUS_OK;
+}
+
 #define PER_AXIS .letter = PARAMETER_AXES, .saved = SAVED_BY_SS
 #define GAIN .type = PARAMETER_INTEGER, .minimum = 0, .maximum = 32767, .set = changed
 
@@ -115,13 +155,18 @@ static const struct parameter parameters[] = {
     {
         .command = "SPEED", PER_AXIS, .type = PARAMETER_REAL, .decimals = 6, .unit = "mm/s",
         .summary = "Largest speed of moves, and the speed of scan lines.",
-        .minimum = 1e-6, .maximum = TUNING_SPEED_MAX_MM_PER_S, .above = OUTSIDE_CLIP,
-        .initial = 0.67 * TUNING_SPEED_MAX_MM_PER_S, .value = speed_mm_per_s,
+        .minimum = 1e-6, .maximum = 1000, .above = OUTSIDE_CLIP,
+        .initial = 6.8 * TUNING_SPEED_SHARE, .value = speed_mm_per_s, .adjust = clipped,
     },
     {
         .command = "ACCEL", PER_AXIS, .type = PARAMETER_INTEGER, .unit = "ms",
         .summary = "Time from rest to full speed, and back.",
         .minimum = 1, .maximum = 32767, .initial = 50, .value = ramp_ms,
+    },
+    {
+        .command = "JERK", PER_AXIS, .type = PARAMETER_INTEGER, .unit = "ms",
+        .summary = "Time the acceleration takes to come and to go; 0: at once.",
+        .minimum = 0, .maximum = 1000, .initial = 0, .value = jerk_ms,
     },
     {
         .command = "PCROS", PER_AXIS, .type = PARAMETER_REAL, .decimals = 6, .unit = "mm",
@@ -141,13 +186,20 @@ static const struct parameter parameters[] = {
         .minimum = 0, .maximum = 32767, .initial = 0, .value = wait_ms, .set = changed,
     },
     {
+        .command = "MAINTAIN", PER_AXIS, .type = PARAMETER_INTEGER,
+        .summary = "At the target: 0 correct drift and give up after 0.5 s, 1 correct for ever, "
+                   "2 stay on, 3 done at first sight, 5 let go.",
+        .minimum = 0, .maximum = 5, .initial = 0, .value = maintain, .check = not_reserved,
+        .set = changed,
+    },
+    {
         .command = "RUNAWAY", PER_AXIS, .type = PARAMETER_REAL, .decimals = 6, .unit = "mm",
         .summary = "Error beyond which an axis that moves away is stopped.",
         .minimum = 0.001, .maximum = 1000, .initial = 2, .value = runaway_mm, .set = changed,
     },
     {
         .command = "KP", PER_AXIS, GAIN, .unit = "1/64 step per count",
-        .summary = "Proportional gain.", .initial = 160, .value = kp,
+        .summary = "Proportional gain.", .initial = 800, .value = kp,
     },
     {
         .command = "KI", PER_AXIS, GAIN, .unit = "1/1024 step per count and ms",
@@ -155,7 +207,7 @@ static const struct parameter parameters[] = {
     },
     {
         .command = "KD", PER_AXIS, GAIN, .unit = "1/8 step per count/ms",
-        .summary = "Derivative gain.", .initial = 140, .value = kd,
+        .summary = "Derivative gain.", .initial = 400, .value = kd,
     },
     {
         .command = "KV", PER_AXIS, GAIN, .unit = "1/16 step per count/ms",
@@ -173,6 +225,9 @@ static const struct command commands[] = {
     {.name = "ACCEL", .shortcut = "AC", .summary = "Ramp time.", .form = FORM_S},
     {.name = "PCROS", .shortcut = "PC", .summary = "Finish error.", .form = FORM_P},
     {.name = "ERROR", .shortcut = "E", .summary = "Drift error.", .form = FORM_S},
+    {.name = "JERK", .summary = "Time of change of acceleration.", .form = FORM_P},
+    {.name = "MAINTAIN", .shortcut = "MA", .summary = "What an axis does at its target.",
+     .form = FORM_P},
     {.name = "WAIT", .shortcut = "WT", .summary = "Pause after a move.", .form = FORM_S},
     {.name = "RUNAWAY", .shortcut = "RU", .summary = "Runaway limit.", .form = FORM_P},
     {.name = "KP", .summary = "Proportional gain.", .form = FORM_P},

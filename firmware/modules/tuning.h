@@ -8,8 +8,8 @@
 
 #include "core/module.h"
 
-/** The fastest an axis is driven. */
-#define TUNING_SPEED_MAX_MM_PER_S 6.8
+/** SPEED by default, of the axis' fastest. */
+#define TUNING_SPEED_SHARE 0.67
 
 /** HALT brakes from the fastest speed to rest in this time. */
 #define TUNING_BRAKE_MS 15.0
@@ -20,10 +20,19 @@ extern const struct module tuning_module;
 double tuning_speed_mm_per_s(unsigned axis);
 double tuning_ramp_ms(unsigned axis);
 
+/** The fastest an axis is driven. */
+double tuning_speed_max_mm_per_s(unsigned axis);
+
+/** Give SPEED another value. */
+void tuning_set_speed(unsigned axis, double speed_mm_per_s);
+
 double tuning_counts_per_s(unsigned axis, double speed_mm_per_s);
 
 /** Ticks in a time, at least one tick; not rounded. */
 double tuning_ticks(double time_ms);
+
+/** Ticks the acceleration of moves takes to come and to go (JERK); 0: at once. */
+double tuning_jerk_ticks(unsigned axis);
 
 /** Give the loop of an axis its settings anew: after a change of what they are made from. */
 void tuning_apply(unsigned axis);

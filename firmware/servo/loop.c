@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "servo/loop.h"
 
+/* The set-point stands once the place expected is this near it: half a count. */
+#define STANDS_Q16 32768
+
 static int32_t magnitude(int32_t value)
 {
     return value >= 0 ? value : value == INT32_MIN ? INT32_MAX : -value;
@@ -8,39 +11,69 @@ static int32_t magnitude(int32_t value)
 
 static void enter(struct loop_state *st, enum loop_mode mode)
 {
-    st->mode = mode;
-    st->mode_ticks = 0;
-    st->dead_ticks = 0;
-    st->away_ticks = 0;
-    st->near_ticks = 0;
+    st->mode = (uint8_t)mode;
+    st->mode_turns = 0;
+    st->dead_turns = 0;
+    st->away_turns = 0;
+    st->near_turns = 0;
     st->nearest_counts = INT32_MAX;
-    st->vain_ticks = 0;
-    if (mode == LOOP_IDLE || mode == LOOP_FREE) {
-        st->behind = false;
-        st->commanded = false;
-    }
+    st->vain_turns = 0;
+    if (mode == LOOP_TRACK)
+        return;
+    st->held_steps = 0;
+    st->held_ticks = 0;
+    st->regulated = false;
+    if (mode == LOOP_SETTLE || mode == LOOP_WAIT)
+        return;
+    st->behind = false;
+    st->commanded = false;
+}
+
+void loop_configure(struct loop_state *st, const struct loop_config *cfg)
+{
+    st->rates = cfg->pid.rates;
+    st->lag_q31 = cfg->lag_q31;
 }
 
 void loop_free(struct loop_state *st, enum loop_fault fault)
 {
     enter(st, LOOP_FREE);
-    st->fault = fault;
-    st->still_ticks = 0;
-    st->duty_steps = 0;
+    st->fault = (uint8_t)fault;
+    st->still_turns = 0;
+    st->lag_q16 = 0;
 }
 
 void loop_rest(struct loop_state *st)
 {
     enter(st, LOOP_IDLE);
     st->fault = LOOP_NO_FAULT;
+    st->lag_q16 = 0;
+}
+
+void loop_spin(struct loop_state *st, int32_t duty_steps)
+{
+    if (st->mode != LOOP_SPIN)
+        enter(st, LOOP_SPIN);
+    st->lag_q16 = 0;
+    st->held_steps = duty_steps;
 }
 
 static void start(const struct loop_config *cfg, struct loop_state *st, enum loop_mode mode,
-                  int32_t error_q8)
+                  int32_t error_q16)
 {
-    pid_reset(&st->pid, error_q8);
+    pid_reset(&st->pid, error_q16);
     nudge_reset(&cfg->nudge, &st->nudge);
     enter(st, mode);
+}
+
+void loop_track(const struct loop_config *cfg, struct loop_state *st, bool commanded)
+{
+    if (st->mode != LOOP_TRACK) {
+        start(cfg, st, LOOP_TRACK, pid_clamp(st->error_counts, 4000) * 65536);
+        st->pid.feed_q4 = 0;
+        st->regulated = true;
+    }
+    st->commanded = commanded;
 }
 
 /* Whether a settling has gone on for too long. */
@@ -48,77 +81,100 @@ static bool is_in_vain(const struct loop_config *cfg, struct loop_state *st, int
 {
     if (distance < st->nearest_counts) {
         st->nearest_counts = distance;
-        st->vain_ticks = 0;
+        st->vain_turns = 0;
     } else {
-        st->vain_ticks++;
+        st->vain_turns++;
     }
     if (st->nudge.active)
-        st->mode_ticks++;
-    return st->vain_ticks > cfg->settle_limit_ticks || st->mode_ticks > cfg->settle_limit_ticks;
+        st->mode_turns++;
+    return cfg->maintain != LOOP_MAINTAIN_FOR_EVER &&
+           (st->vain_turns > cfg->settle_limit_turns || st->mode_turns > cfg->settle_limit_turns);
 }
 
-/* The mode for this tick, from the last one's and what is seen now. */
+static void arrive(const struct loop_config *cfg, struct loop_state *st)
+{
+    if (cfg->maintain == LOOP_MAINTAIN_HOLD)
+        enter(st, LOOP_HOLD);
+    else
+        enter(st, LOOP_IDLE);
+}
+
+static void settled(const struct loop_config *cfg, struct loop_state *st)
+{
+    bool pause = st->commanded && cfg->wait_turns > 0;
+
+    if (cfg->maintain == LOOP_MAINTAIN_RELEASE)
+        st->commanded = false;
+    if (pause)
+        enter(st, LOOP_WAIT);
+    else
+        arrive(cfg, st);
+}
+
+/* The mode for this turn, from the last one's and what is seen now. */
 static void decide(const struct loop_config *cfg, struct loop_state *st, bool moving,
-                   int32_t error_q8)
+                   int32_t error_q16)
 {
     int32_t distance = magnitude(st->error_counts);
     bool near = distance <= cfg->finish_counts;
 
-    if (st->mode == LOOP_FREE)
+    if (st->mode == LOOP_FREE || st->mode == LOOP_SPIN || moving)
         return;
-    if (moving) {
-        if (st->mode != LOOP_TRACK)
-            start(cfg, st, LOOP_TRACK, error_q8);
-        return;
-    }
     switch (st->mode) {
     case LOOP_IDLE:
-        /* A commanded motion of no length arrives by way of SETTLE as any other. */
-        if (st->commanded || distance > cfg->drift_counts)
-            start(cfg, st, LOOP_SETTLE, error_q8);
+        if (distance > cfg->drift_counts && cfg->maintain != LOOP_MAINTAIN_DISENGAGE)
+            start(cfg, st, LOOP_SETTLE, error_q16);
         break;
     case LOOP_TRACK:
         nudge_reset(&cfg->nudge, &st->nudge);
         enter(st, LOOP_SETTLE);
         break;
     case LOOP_SETTLE:
-        st->near_ticks = near ? st->near_ticks + 1 : 0;
-        if (st->near_ticks >= cfg->settle_ticks)
-            enter(st, st->commanded && cfg->wait_ticks > 0 ? LOOP_WAIT : LOOP_IDLE);
+        st->near_turns = near ? st->near_turns + 1 : 0;
+        if (st->near_turns >= (cfg->maintain == LOOP_MAINTAIN_RELEASE ? 1 : cfg->settle_turns))
+            settled(cfg, st);
         else if (is_in_vain(cfg, st, distance))
             loop_free(st, LOOP_NOT_SETTLED);
         break;
     case LOOP_WAIT:
-        if (!st->commanded || ++st->mode_ticks >= cfg->wait_ticks)
-            enter(st, LOOP_IDLE);
+        if ((!st->commanded && cfg->maintain != LOOP_MAINTAIN_RELEASE) ||
+            ++st->mode_turns >= cfg->wait_turns)
+            arrive(cfg, st);
         break;
-    case LOOP_FREE:
+    default:
         break;
     }
 }
 
 /* Bring a standing set-point and the axis together: let go, nudge, or regulate. */
-static int32_t settle(const struct loop_config *cfg, struct loop_state *st, int32_t error_q8)
+static void settle(const struct loop_config *cfg, struct loop_state *st, int32_t error_q16)
 {
-    int32_t distance = magnitude(st->error_counts);
+    int32_t distance = magnitude(st->error_counts), nudge_steps;
 
+    st->regulated = false;
     if (distance <= cfg->finish_counts) {
-        pid_reset(&st->pid, error_q8);
-        return 0;
+        pid_reset(&st->pid, error_q16);
+        st->held_steps = 0;
+        return;
     }
     if (distance > cfg->nudge.reach_counts)
         st->nudge.active = false;
-    else if (st->still_ticks >= cfg->nudge.rest_ticks)
+    else if (st->still_turns >= cfg->nudge.rest_turns)
         st->nudge.active = true;
-    if (!st->nudge.active)
-        return pid_tick(&cfg->pid, &st->pid, error_q8, 0, 0);
-    pid_reset(&st->pid, error_q8);
-    return nudge_tick(&cfg->nudge, &st->nudge, st->error_counts, st->position_counts,
-                      st->still_ticks);
+    if (!st->nudge.active) {
+        st->regulated = true;
+        return;
+    }
+    pid_reset(&st->pid, error_q16);
+    nudge_steps = nudge_turn(&cfg->nudge, &st->nudge, st->error_counts, st->position_counts,
+                             st->still_turns);
+    if (nudge_steps != 0) {
+        st->held_steps = nudge_steps;
+        st->held_ticks = cfg->nudge.pulse_ticks;
+    }
 }
 
-/* Note when the motor cannot follow. Let go of an axis that does not obey: its encoder or motor is
- * not what the loop takes it for. */
+/* Let go of an axis that does not obey: its encoder or motor is not what the loop takes it for. */
 static void supervise(const struct loop_config *cfg, struct loop_state *st, int32_t moved_counts)
 {
     bool full = magnitude(st->duty_steps) >= cfg->pid.output_limit_steps;
@@ -128,74 +184,58 @@ static void supervise(const struct loop_config *cfg, struct loop_state *st, int3
         st->behind = true;
     else if (magnitude(st->error_counts) <= cfg->behind_counts / 2)
         st->behind = false;
-    st->dead_ticks = full && moved_counts == 0 ? st->dead_ticks + 1 : 0;
-    if (!far)
-        st->away_ticks = 0;
-    else if (moved_counts != 0 && (moved_counts > 0) != (st->error_counts > 0))
-        st->away_ticks++;
-    else if (st->away_ticks > 0)
-        st->away_ticks--;
 
-    if (st->away_ticks > cfg->runaway_ticks)
+    if (!full || (uint32_t)st->position_counts - (uint32_t)st->dead_counts + LOOP_DEAD_COUNTS >
+                     2 * LOOP_DEAD_COUNTS) {
+        st->dead_turns = 0;
+        st->dead_counts = st->position_counts;
+    } else {
+        st->dead_turns++;
+    }
+
+    if (!far)
+        st->away_turns = 0;
+    else if (moved_counts != 0 && (moved_counts > 0) != (st->error_counts > 0))
+        st->away_turns++;
+    else if (st->away_turns > 0)
+        st->away_turns--;
+
+    if (magnitude(st->error_counts) > LOOP_ERROR_MAX)
+        loop_free(st, LOOP_OVERFLOW);
+    else if (st->away_turns > cfg->runaway_turns)
         loop_free(st, LOOP_RUNAWAY);
-    else if (st->dead_ticks > cfg->dead_ticks)
+    else if (st->dead_turns > cfg->dead_turns)
         loop_free(st, LOOP_DEAD);
 }
 
-/* Note this tick's set-point; return the one of lead_ticks ago. */
-static int64_t delayed_q32(const struct loop_config *cfg, struct loop_state *st,
-                           const struct profile_state *profile)
-{
-    if (profile_moving(profile))
-        st->late_ticks = cfg->lead_ticks + 1;
-    else if (st->late_ticks > 0)
-        st->late_ticks--;
-    st->newest = (st->newest + 1) % LOOP_LEAD_TICKS;
-    st->setpoint_q32[st->newest] = profile->now.position_q32;
-    return st->setpoint_q32[(st->newest - cfg->lead_ticks) % LOOP_LEAD_TICKS];
-}
-
-/* Set-point minus position: whole counts to st->error_counts, and with 8 fraction bits, clamped. In
- * 32 bits: the difference of two positions wraps like the encoder's counter. */
-static int32_t take_error_q8(struct loop_state *st, int64_t setpoint_q32, int32_t position_counts)
-{
-    uint32_t whole = (uint32_t)(setpoint_q32 >> 32) - (uint32_t)position_counts;
-    int32_t fraction_q8 = (int32_t)((uint32_t)setpoint_q32 >> 24);
-
-    st->error_counts = (int32_t)whole;
-    return pid_clamp(st->error_counts, PID_ERROR_LIMIT_Q8 / 256) * 256 + fraction_q8;
-}
-
-int32_t loop_tick(const struct loop_config *cfg, struct loop_state *st,
-                  const struct profile_state *profile, int32_t position_counts)
+void loop_turn(const struct loop_config *cfg, struct loop_state *st,
+               const struct profile_state *profile, int32_t position_counts, int32_t duty_steps,
+               bool may_fall, bool may_rise)
 {
     int32_t moved_counts = (int32_t)((uint32_t)position_counts - (uint32_t)st->position_counts);
-    int32_t error_q8 = take_error_q8(st, delayed_q32(cfg, st, profile), position_counts);
+    int32_t error_q16 = loop_error_q16(st, profile, position_counts);
+    bool moving = profile_moving(profile) || magnitude(st->lag_q16) > STANDS_Q16;
 
+    if (!moving)
+        st->lag_q16 = 0;
     st->position_counts = position_counts;
+    st->duty_steps = duty_steps;
+    st->error_counts = (int32_t)((uint32_t)(profile->position_q32 >> 32) -
+                                 (uint32_t)(st->lag_q16 >> 16) - (uint32_t)position_counts);
     if (moved_counts != 0)
-        st->still_ticks = 0;
-    else if (st->still_ticks < UINT32_MAX)
-        st->still_ticks++;
+        st->still_turns = 0;
+    else if (st->still_turns < UINT32_MAX)
+        st->still_turns++;
 
-    if (st->mode != LOOP_FREE && st->mode != LOOP_IDLE)
+    if (st->mode > LOOP_IDLE)
         supervise(cfg, st, moved_counts);
-    decide(cfg, st, st->late_ticks > 0, error_q8);
-    switch (st->mode) {
-    case LOOP_FREE:
-    case LOOP_IDLE:
-        st->duty_steps = 0;
-        break;
-    case LOOP_SETTLE:
-    case LOOP_WAIT:
-        st->duty_steps = settle(cfg, st, error_q8);
-        break;
-    case LOOP_TRACK:
-        /* Acceleration with 20 fraction bits is twice the half with 21. */
-        st->duty_steps = pid_tick(&cfg->pid, &st->pid, error_q8,
-                                  (int32_t)(profile->now.velocity_q32 >> 16),
-                                  (int32_t)(profile->half_acceleration_q32 >> 11));
-        break;
-    }
-    return st->duty_steps;
+    decide(cfg, st, moving, error_q16);
+    if (st->mode >= LOOP_SETTLE)
+        settle(cfg, st, error_q16);
+    if (st->regulated)
+        /* Acceleration with 20 fraction bits. */
+        pid_feed(&cfg->pid, &st->pid, error_q16, (int32_t)(profile->step_q48 >> 32),
+                 (int32_t)(profile->change_q48 >> 28), may_fall, may_rise);
+    else if (st->held_steps > 0 ? !may_rise : !may_fall)
+        st->held_steps = 0;
 }

@@ -6,7 +6,7 @@ void nudge_reset(const struct nudge_config *cfg, struct nudge_state *st)
     st->active = false;
     st->strength_steps = cfg->first_steps;
     st->side = 0;
-    st->pulse_left = 0;
+    st->wait_turns = 0;
 }
 
 /* The strength for a new pulse, from what the last one did: more while it takes the axis less than
@@ -26,19 +26,20 @@ static int32_t strength(const struct nudge_config *cfg, const struct nudge_state
     return steps > cfg->limit_steps ? cfg->limit_steps : steps;
 }
 
-int32_t nudge_tick(const struct nudge_config *cfg, struct nudge_state *st, int32_t error_counts,
-                   int32_t position_counts, uint32_t still_ticks)
+int32_t nudge_turn(const struct nudge_config *cfg, struct nudge_state *st, int32_t error_counts,
+                   int32_t position_counts, uint32_t still_turns)
 {
     int32_t side = error_counts > 0 ? 1 : -1;
 
-    if (st->pulse_left == 0) {
-        if (still_ticks < cfg->rest_ticks)
-            return 0;
-        st->strength_steps = strength(cfg, st, side, error_counts, position_counts);
-        st->side = side;
-        st->from_counts = position_counts;
-        st->pulse_left = cfg->pulse_ticks + cfg->rest_ticks;
+    if (st->wait_turns > 0) {
+        st->wait_turns--;
+        return 0;
     }
-    st->pulse_left--;
-    return st->pulse_left >= cfg->rest_ticks ? st->side * st->strength_steps : 0;
+    if (still_turns < cfg->rest_turns)
+        return 0;
+    st->strength_steps = strength(cfg, st, side, error_counts, position_counts);
+    st->side = side;
+    st->from_counts = position_counts;
+    st->wait_turns = cfg->rest_turns;
+    return side * st->strength_steps;
 }

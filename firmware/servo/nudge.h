@@ -18,8 +18,8 @@ struct nudge_config {
     int32_t reach_counts; /**< Errors up to this are nudged away. */
     int32_t first_steps;  /**< Strength of the first pulse of a settling. */
     int32_t limit_steps;  /**< Largest strength. */
-    uint32_t pulse_ticks; /**< Length of a pulse, at least 1. */
-    uint32_t rest_ticks;  /**< Standstill to wait for before a pulse, at least 1. */
+    uint32_t pulse_ticks; /**< Length of a pulse, at least 1; at most a turn. */
+    uint32_t rest_turns;  /**< Standstill to wait for before a pulse, at least 1. */
 };
 
 /** All it remembers. */
@@ -28,20 +28,20 @@ struct nudge_state {
     int32_t strength_steps; /**< Of the last pulse. */
     int32_t side;           /**< +1 or -1: direction of the last pulse; 0: none yet. */
     int32_t from_counts;    /**< Position at the last pulse. */
-    uint32_t pulse_left;    /**< Ticks the pulse still lasts. */
+    uint32_t wait_turns;    /**< Turns until the next pulse at the earliest. */
 };
 
 /** Forget the past: the next pulse is a first one. */
 void nudge_reset(const struct nudge_config *cfg, struct nudge_state *st);
 
 /**
- * One tick with an error outside the finish error. Runs in the tick interrupt.
+ * One turn (servo/loop.h) with an error outside the finish error. Runs in the tick interrupt.
  *
  * @param error_counts  Set-point minus position, not 0.
- * @param still_ticks   Ticks in a row without a change of position.
- * @return              Duty in steps, within +-limit_steps; 0 between pulses.
+ * @param still_turns   Turns in a row without a change of position.
+ * @return              Strength of a pulse to begin now, within +-limit_steps; 0: none.
  */
-int32_t nudge_tick(const struct nudge_config *cfg, struct nudge_state *st, int32_t error_counts,
-                   int32_t position_counts, uint32_t still_ticks);
+int32_t nudge_turn(const struct nudge_config *cfg, struct nudge_state *st, int32_t error_counts,
+                   int32_t position_counts, uint32_t still_turns);
 
 #endif

@@ -4,99 +4,128 @@
 #include <math.h>
 
 static const double ONE_Q32 = 4294967296.0;
+static const double ONE_Q48 = 281474976710656.0;
 
-/* A stretch of the continuous motion, in ticks and counts, relative to the plan's start. */
-struct stretch {
-    double start_ticks;
-    double position;
-    double velocity;
-    double acceleration;
+/* A plan in the making: a continuous motion, in ticks and counts, relative to the plan's start and
+ * mirrored by `side`. */
+struct sketch {
+    struct profile_plan *plan;
+    int64_t origin_q32;
+    double side;
+    double ticks, position, velocity; /* where the last stretch ended */
 };
 
-static int64_t to_q32(double value)
+static double way(double velocity, double acceleration, double jerk, double t)
 {
-    return (int64_t)llround(value * ONE_Q32);
+    return t * (velocity + t * (acceleration / 2.0 + t * (jerk / 6.0)));
 }
 
-/* Sample a stretch that ends at `end_ticks` as a segment, if at least one tick falls into it. */
-static void sample(struct profile_plan *plan, int64_t origin_q32, const struct stretch *s,
-                   double end_ticks)
+static void advance(struct sketch *s, double acceleration, double jerk, double duration)
 {
-    double first = ceil(s->start_ticks);
-    double after = ceil(end_ticks);
-    double late = first - s->start_ticks;
-    struct profile_segment *seg;
+    s->ticks += duration;
+    s->position += way(s->velocity, acceleration, jerk, duration);
+    s->velocity += duration * (acceleration + duration * (jerk / 2.0));
+}
 
+/* Add a stretch of motion, and sample it as a segment if at least one tick falls into it. */
+static void stretch(struct sketch *s, double acceleration, double jerk, double duration)
+{
+    struct sketch at = *s;
+    struct profile_segment *seg;
+    double first = ceil(s->ticks), after, late = first - s->ticks;
+
+    advance(s, acceleration, jerk, duration);
+    after = ceil(s->ticks);
     if (after <= first)
         return;
-    seg = &plan->segment[plan->segment_count++];
+    advance(&at, acceleration, jerk, late);
+    acceleration += jerk * late;
+    seg = &s->plan->segment[s->plan->segment_count++];
     seg->ticks = (uint64_t)(after - first);
-    seg->first.position_q32 =
-        origin_q32 + to_q32(s->position + late * (s->velocity + 0.5 * s->acceleration * late));
-    seg->first.velocity_q32 = to_q32(s->velocity + s->acceleration * late);
-    seg->half_acceleration_q32 = to_q32(0.5 * s->acceleration);
+    seg->position_q32 = s->origin_q32 + llround(s->side * at.position * ONE_Q32);
+    seg->step_q48 = llround(s->side * way(at.velocity, acceleration, jerk, 1.0) * ONE_Q48);
+    seg->change_q48 = llround(s->side * (acceleration + jerk) * ONE_Q48);
+    seg->jerk_q48 = llround(s->side * jerk * ONE_Q48);
+    /* A cruise is exact: the interrupt adds the upper 32 fraction bits of a step. */
+    if (acceleration == 0.0 && jerk == 0.0)
+        seg->step_q48 = llround(s->side * at.velocity * ONE_Q32) * 65536;
+}
+
+/* Time of a change of speed, and its way: half of it at either speed, whatever the jerk. */
+static double change_ticks(const struct profile_bounds *b, double difference)
+{
+    return difference == 0.0 ? 0.0 : fabs(difference) / b->acceleration + b->jerk_ticks;
+}
+
+static double change_way(const struct profile_bounds *b, double from, double to)
+{
+    return 0.5 * (from + to) * change_ticks(b, to - from);
+}
+
+/* Acceleration is a step convolved with a box of jerk_ticks: a trapezoid of two equal slopes. */
+static void change_speed(struct sketch *s, const struct profile_bounds *b, double to)
+{
+    double difference = to - s->velocity;
+    double ramp = fabs(difference) / b->acceleration;
+    double slope = fmin(ramp, b->jerk_ticks), level = fmax(ramp, b->jerk_ticks);
+    double acceleration = level > 0.0 ? difference / level : 0.0;
+
+    if (difference == 0.0)
+        return;
+    if (slope > 0.0)
+        stretch(s, 0.0, acceleration / slope, slope);
+    stretch(s, acceleration, 0.0, level - slope);
+    if (slope > 0.0)
+        stretch(s, acceleration, -acceleration / slope, slope);
+    s->velocity = to;
+}
+
+/* Cruise speed of the motion from velocity u over a distance that suffices to brake from u. */
+static double peak(const struct profile_bounds *b, double u, double distance)
+{
+    double c = distance + u * u / (2.0 * b->acceleration) - u * b->jerk_ticks / 2.0;
+    double root = sqrt(b->jerk_ticks * b->jerk_ticks + 4.0 * fmax(0.0, c) / b->acceleration);
+    double p = root > 0.0 ? fmin(b->speed, 2.0 * fmax(0.0, c) / (b->jerk_ticks + root)) : 0.0;
+
+    /* Between the speeds it takes no change to keep, and those that the way is too short to reach. */
+    if (b->jerk_ticks > 0.0 && u > 0.0 &&
+        change_way(b, u, p) + change_way(b, p, 0.0) > distance + 1e-9 * (distance + u))
+        p = u;
+    return p;
 }
 
 void profile_plan_move(struct profile_plan *plan, const struct profile_point *start,
-                       int64_t target_q32, double speed_per_tick,
-                       double acceleration_per_tick2)
+                       int64_t target_q32, const struct profile_bounds *bounds)
 {
-    double a = acceleration_per_tick2;
-    double u = (double)start->velocity_q32 / ONE_Q32;
+    double u = (double)start->velocity_q48 / ONE_Q48;
     double distance = (double)(target_q32 - start->position_q32) / ONE_Q32;
-    double side = distance >= u * fabs(u) / (2.0 * a) ? 1.0 : -1.0;
-    double peak, cruise_distance;
-    struct stretch change, cruise, brake;
-    double end_ticks;
+    double stop = change_way(bounds, u, 0.0), cruise_way, p;
+    struct sketch s = {.plan = plan, .origin_q32 = start->position_q32};
 
     plan->segment_count = 0;
     plan->end_q32 = target_q32;
-    if (start->velocity_q32 == 0 && target_q32 == start->position_q32)
+    if (start->velocity_q48 == 0 && target_q32 == start->position_q32)
         return;
 
     /* Mirror so that braking at once would stop short of the target: the motion then is change of
      * speed to a peak, cruise, brake, whatever the sign of u. */
-    u *= side;
-    distance *= side;
-    peak = fmin(speed_per_tick, sqrt(fmax(0.0, a * distance + 0.5 * u * u)));
-    if (u > speed_per_tick)
-        peak = speed_per_tick;
-
-    change.start_ticks = 0.0;
-    change.position = 0.0;
-    change.velocity = u;
-    change.acceleration = u > peak ? -a : a;
-
-    cruise.start_ticks = fabs(peak - u) / a;
-    cruise.position = (peak * peak - u * u) / (2.0 * change.acceleration);
-    cruise.velocity = peak;
-    cruise.acceleration = 0.0;
-
+    s.side = distance >= stop ? 1.0 : -1.0;
+    distance *= s.side;
+    u *= s.side;
+    s.velocity = u;
+    p = peak(bounds, u, distance);
+    change_speed(&s, bounds, p);
     /* Rounding must not make a cruise of negative length. */
-    cruise_distance = fmax(0.0, distance - cruise.position - peak * peak / (2.0 * a));
-    brake.start_ticks = cruise.start_ticks + (peak > 0.0 ? cruise_distance / peak : 0.0);
-    brake.position = cruise.position + cruise_distance;
-    brake.velocity = peak;
-    brake.acceleration = -a;
-    end_ticks = brake.start_ticks + peak / a;
-
-    change.velocity *= side;
-    change.acceleration *= side;
-    cruise.position *= side;
-    cruise.velocity *= side;
-    brake.position *= side;
-    brake.velocity *= side;
-    brake.acceleration *= side;
-    sample(plan, start->position_q32, &change, cruise.start_ticks);
-    sample(plan, start->position_q32, &cruise, brake.start_ticks);
-    sample(plan, start->position_q32, &brake, end_ticks);
+    cruise_way = distance - s.position - change_way(bounds, p, 0.0);
+    if (p > 0.0 && cruise_way > 0.0)
+        stretch(&s, 0.0, 0.0, cruise_way / p);
+    change_speed(&s, bounds, 0.0);
 }
 
-int64_t profile_stop_q32(const struct profile_point *start, double acceleration_per_tick2)
+int64_t profile_stop_q32(const struct profile_point *start, const struct profile_bounds *bounds)
 {
-    double u = (double)start->velocity_q32 / ONE_Q32;
-    double brake = u * fabs(u) / (2.0 * acceleration_per_tick2);
-    double counts = (double)start->position_q32 / ONE_Q32 + brake;
+    double u = (double)start->velocity_q48 / ONE_Q48;
+    double counts = (double)start->position_q32 / ONE_Q32 + change_way(bounds, u, 0.0);
 
     if (u > 0.0)
         counts = ceil(counts);
@@ -116,35 +145,52 @@ uint64_t profile_ticks(const struct profile_plan *plan)
     return ticks;
 }
 
+/* Velocity at the tick that differences belong to: they are taken forward. */
+static int64_t velocity_q48(int64_t step_q48, int64_t change_q48, int64_t jerk_q48)
+{
+    return step_q48 - change_q48 / 2 + jerk_q48 / 3;
+}
+
+static struct profile_point point_in(const struct profile_segment *seg, uint64_t ticks)
+{
+    double n = (double)ticks;
+    double pairs = n * (n - 1.0) / 2.0;
+    double change = (double)seg->change_q48, jerk = (double)seg->jerk_q48;
+
+    /* Newton's series of the differences; the steps whole, as they can be large. */
+    return (struct profile_point){
+        .position_q32 = seg->position_q32 + (int64_t)ticks * (seg->step_q48 >> 16) +
+                        (seg->change_q48 == 0 && seg->jerk_q48 == 0
+                             ? 0
+                             : llround((n * (double)(seg->step_q48 & 0xffff) + pairs * change +
+                                        pairs * (n - 2.0) / 3.0 * jerk) / 65536.0)),
+        .velocity_q48 = velocity_q48(seg->step_q48 + llround(n * change + pairs * jerk),
+                                     seg->change_q48 + (int64_t)ticks * seg->jerk_q48,
+                                     seg->jerk_q48),
+    };
+}
+
 struct profile_point profile_at(const struct profile_plan *plan, uint64_t ticks)
 {
-    struct profile_point point = { .position_q32 = plan->end_q32, .velocity_q32 = 0 };
-
     for (uint32_t i = 0; i < plan->segment_count; i++) {
-        const struct profile_segment *seg = &plan->segment[i];
-
-        if (ticks < seg->ticks) {
-            int64_t n = (int64_t)ticks;
-
-            /* The sum of what profile_tick adds, n times. */
-            point.position_q32 = seg->first.position_q32 +
-                n * (seg->first.velocity_q32 + n * seg->half_acceleration_q32);
-            point.velocity_q32 = seg->first.velocity_q32 + 2 * n * seg->half_acceleration_q32;
-            return point;
-        }
-        ticks -= seg->ticks;
+        if (ticks < plan->segment[i].ticks)
+            return point_in(&plan->segment[i], ticks);
+        ticks -= plan->segment[i].ticks;
     }
-    return point;
+    return (struct profile_point){.position_q32 = plan->end_q32};
+}
+
+struct profile_point profile_now(const struct profile_state *st)
+{
+    return (struct profile_point){
+        .position_q32 = st->position_q32,
+        .velocity_q48 = velocity_q48(st->step_q48, st->change_q48, st->jerk_q48),
+    };
 }
 
 void profile_rest(struct profile_state *st, int64_t position_q32)
 {
-    st->plan = 0;
-    st->index = 0;
-    st->ticks_left = 0;
-    st->now.position_q32 = position_q32;
-    st->now.velocity_q32 = 0;
-    st->half_acceleration_q32 = 0;
+    *st = (struct profile_state){.position_q32 = position_q32};
 }
 
 static void enter(struct profile_state *st, uint32_t index)
@@ -157,9 +203,12 @@ static void enter(struct profile_state *st, uint32_t index)
     }
     seg = &st->plan->segment[index];
     st->index = index;
-    st->ticks_left = seg->ticks;
-    st->now = seg->first;
-    st->half_acceleration_q32 = seg->half_acceleration_q32;
+    st->ticks_left = (uint32_t)seg->ticks;
+    st->ticks_left_high = (uint32_t)((seg->ticks - 1) >> 32);
+    st->position_q32 = seg->position_q32;
+    st->step_q48 = seg->step_q48;
+    st->change_q48 = seg->change_q48;
+    st->jerk_q48 = seg->jerk_q48;
 }
 
 void profile_begin(struct profile_state *st, const struct profile_plan *plan)
@@ -168,14 +217,14 @@ void profile_begin(struct profile_state *st, const struct profile_plan *plan)
     enter(st, 0);
 }
 
-void profile_tick(struct profile_state *st)
+void profile_turn(struct profile_state *st)
 {
-    if (!st->plan)
-        return;
-    if (--st->ticks_left == 0) {
+    if (st->ticks_left_high == 0) {
         enter(st, st->index + 1);
         return;
     }
-    st->now.position_q32 += st->now.velocity_q32 + st->half_acceleration_q32;
-    st->now.velocity_q32 += 2 * st->half_acceleration_q32;
+    st->ticks_left_high--;
+    st->position_q32 += st->step_q48 >> 16;
+    st->step_q48 += st->change_q48;
+    st->change_q48 += st->jerk_q48;
 }

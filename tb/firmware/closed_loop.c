@@ -17,7 +17,9 @@
 #include "port.h"
 #include "regs.h"
 
-enum { TICK_PS = 200000000, DUTY_DELAY_PS = 100000000 }; /* a servo period; DutyDelay of rtl/pwm.py */
+/* A servo tick. Duties are taken two PWM periods after theirs (DutyDelay of rtl/pwm.py): at the next. */
+enum { TICK_PS = AXIS_TICK_US * 1000000 };
+_Static_assert(AXIS_TICK_PWM_PERIODS == 2, "duties are taken at the next tick");
 
 static const char plant[] =
 #include "plant.h"
@@ -69,16 +71,21 @@ static void latch(void)
                        (uint32_t)pins->estop << REG_INPUTS_LEVELS_ESTOP_SHIFT);
 }
 
-void closed_loop_tick(void)
+static void tick(void)
 {
     now_ps += TICK_PS;
     board_advance(board, now_ps);
+    for (unsigned axis = 0; axis < 4; axis++)
+        board_drive(board, now_ps, axis,
+                    (reversed[axis] ? -1 : 1) * pwm_duty_read(axis) / 2500.0 + push[axis]);
     latch();
     axis_tick();
-    board_advance(board, now_ps + DUTY_DELAY_PS);
-    for (unsigned axis = 0; axis < 4; axis++)
-        board_drive(board, now_ps + DUTY_DELAY_PS, axis,
-                    (reversed[axis] ? -1 : 1) * pwm_duty_read(axis) / 2500.0 + push[axis]);
+}
+
+void closed_loop_tick(void)
+{
+    for (unsigned n = 0; n < CLOSED_LOOP_TICK_US / AXIS_TICK_US; n++)
+        tick();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->poll != NULL)
             (*module)->poll();
@@ -116,7 +123,7 @@ void closed_loop_start(const struct closed_loop_change *changes)
     limits_open();
     (void)settings_factory_next();
     port_start(firmware_modules);
-    closed_loop_run(2 * AXIS_REST_TICKS);
+    closed_loop_run(2 * AXIS_REST_TURNS * AXIS_TURN_US / CLOSED_LOOP_TICK_US);
 }
 
 struct board *closed_loop_board(void)

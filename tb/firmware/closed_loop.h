@@ -2,8 +2,8 @@
 /**
  * The whole firmware on the host, its servo closed over the board model: how well it moves.
  *
- * Each tick latches the board's counts into the snapshot registers, runs the firmware's tick
- * interrupt, and applies the duties one PWM period later, as the gateware does.
+ * Each servo tick applies the duties of the one before, as the gateware does, latches the board's
+ * counts into the snapshot registers and runs the firmware's tick interrupt.
  */
 #ifndef TB_FIRMWARE_CLOSED_LOOP_H
 #define TB_FIRMWARE_CLOSED_LOOP_H
@@ -26,7 +26,8 @@ void closed_loop_start(const struct closed_loop_change *changes);
 /** The board, to watch and to disturb. */
 struct board *closed_loop_board(void);
 
-/** Let a tick of 200 us pass; then the main loop. */
+/** Let 200 us of servo ticks pass, a tick of these functions; then the main loop. */
+enum { CLOSED_LOOP_TICK_US = 200 };
 void closed_loop_tick(void);
 void closed_loop_run(unsigned ticks);
 

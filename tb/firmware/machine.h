@@ -18,7 +18,7 @@ const char *machine_send(const char *line);
 /** The same for any bytes; what came out. */
 const char *machine_bytes(const void *bytes, size_t length);
 
-/** Let time pass, in servo ticks of 200 us. */
+/** Let time pass, in steps of 200 us: servo ticks, then a turn of the main loop. */
 void machine_run(unsigned ticks);
 
 /** Run until STATUS says N. False: not within ten seconds. */

@@ -219,7 +219,7 @@ static const struct parameter parameters[] = {
 };
 
 static const struct subscription subscriptions[] = {
-    {EVENT_SERVO_TICK, EVENT_IN_INTERRUPT, on_tick},
+    {EVENT_SERVO_TURN, EVENT_IN_INTERRUPT, on_tick},
     {EVENT_FAULT, EVENT_IN_MAIN, on_fault},
     {0},
 };

@@ -224,11 +224,8 @@ void stage_start(void)
         stage_tick();
 }
 
-void stage_tick(void)
+static void follow(void)
 {
-    time_fast += UINT64_C(200000000) / 1000000 * AXIS_TICK_US;
-    show_positions();
-    axis_tick();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         struct axis_view view;
 
@@ -237,6 +234,16 @@ void stage_tick(void)
             (int32_t)((view.setpoint.position_q32 + (INT64_C(1) << 31)) >> 32);
         while (stage_position[axis] != target)
             step(axis, target > stage_position[axis]);
+    }
+}
+
+void stage_tick(void)
+{
+    for (unsigned n = 0; n < 200 / AXIS_TICK_US; n++) {
+        time_fast += UINT64_C(200000000) / 1000000 * AXIS_TICK_US;
+        show_positions();
+        axis_tick();
+        follow();
     }
     show_positions();
     fault_poll();

@@ -41,7 +41,7 @@ extern bool stage_estop;
 /** Power up: registers, axes at 0, settings, all modules, a console on test ports (port.h). */
 void stage_start(void);
 
-/** One servo tick and one turn of the main loop, without the console. */
+/** 200 us of servo ticks and one turn of the main loop, without the console. */
 void stage_tick(void);
 
 /** Ticks until STATUS would say N, at most `limit`; how many it took, or -1. */

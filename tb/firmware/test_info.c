@@ -33,22 +33,24 @@ static double value(const char *page, const char *label)
 /* Fitted axes have the same settings after power-up; name and number differ. */
 static const char *page_at_rest(char letter, int id)
 {
+    const char *device = letter == 'X' ? "JS_X" : letter == 'Y' ? "JS_Y"
+                         : letter == 'Z' ? "KNOB" : "F_WHEEL";
     static char text[4096];
 
     snprintf(text, sizeof text,
              "Axis Name Ch%c:         %c         Limits Status:  \r"
-             "Input Device :      NONE         Axis Profile :  STANDARD\r"
+             "Input Device :%10s [J]     Axis Profile :  STANDARD\r"
              "Max Lim      :   110.000 [SU] mm Min Lim      :  -110.000 [SL] mm\r"
              "Ramp Time    :     50.00 [AC] ms Ramp Length  :     10341 enc\r"
-             "Run Speed    :   4.55600 [S]mm/s vmax_enc*64  :      2647\r"
-             "Servo Lp Time:      0.20      ms Enc Polarity :         1\r"
-             "dv_enc       :        11         LL Axis ID   :        %d\r"
+             "Run Speed    :   4.55600 [S]mm/s vmax_enc*64  :      1324\r"
+             "Servo Lp Time:      0.10      ms Enc Polarity :         1\r"
+             "dv_enc       :         3         LL Axis ID   :        %d\r"
              "Drift Error  :  0.000400 [E]  mm enc_drift_err:        18\r"
              "Finish Error :  0.000022 [PC] mm enc_finsh_err:         0\r"
              "Backlash     :  0.000000      mm enc_backlash :         0\r"
              "Overshoot    :  0.000000      mm enc_overshoot:         0\r"
-             "Kp           :       160 [KP]    Ki(*16)      :      2400 [KI]\r"
-             "Kv           :       106 [KV]    Kd           :       140 [KD]\r"
+             "Kp           :       800 [KP]    Ki(*16)      :      2400 [KI]\r"
+             "Kv           :       106 [KV]    Kd           :       400 [KD]\r"
              "Ka           :        93 [KA]    Kadc         :         0\r"
              "Axis Enable  :         1 [MC]    Motor Enable :         0\r"
              "CMD_stat     :   NO_MOVE         Move_stat    :      IDLE\r"
@@ -58,8 +60,8 @@ static const char *page_at_rest(char letter, int id)
              "Lst Stle Time:         0      ms Av Settle Tim:         0 ms\r"
              "Home position:   1000.00      mm Motor Signal :         0\r"
              "mm/sec/DAC_ct:   0.00333         Enc Cnts/mm  :  45396.00 [C]\r"
-             "Wait Time    :         0 [WT]    Maintain code:         0",
-             letter, letter, id);
+             "Wait Time    :         0 [WT]    Maintain code:         0 [MA]",
+             letter, letter, device, id);
     return text;
 }
 
@@ -132,7 +134,7 @@ TEST(columns_hold_and_every_command_named_answers)
         }
         line = end + 1;
     }
-    CHECK_INT(commands, 14);
+    CHECK_INT(commands, 16);
 }
 
 TEST(page_is_true_in_motion)
@@ -155,7 +157,7 @@ TEST(page_is_true_in_motion)
     CHECK(abs((int)(value(page, "Current pos") * 45396) - motion_position_counts(0)) <= 5);
     CHECK_INT(value(page, "enc target"), 45396);
     CHECK(value(page, "Run Speed") == 2);
-    CHECK_INT(value(page, "vmax_enc*64"), 1162); /* 2 * 45396 * 0.0002 * 64 = 1162.1 */
+    CHECK_INT(value(page, "vmax_enc*64"), 581); /* 2 * 45396 * 0.0001 * 64 = 581.07 */
     CHECK_INT(value(page, "Ramp Length"), 4540); /* 2 * 45396 * 0.05 = 4539.6 */
 }
 
@@ -181,7 +183,8 @@ TEST(disabled_axis_shows_it)
 
     stage_start();
     SEND("MC X-", ACKNOWLEDGED);
-    stage_tick();
+    for (int n = 0; n < 3; n++)
+        stage_tick();
     strcpy(page, port_send("I X"));
     CHECK(strstr(page, "Limits Status: D\r") != NULL);
     CHECK(strstr(page, "Move_stat    :       OFF\r") != NULL);

@@ -20,7 +20,7 @@
 #define SEND(text, reply) CHECK_TEXT(machine_send(text), reply)
 #define DONE ":A \r\n"
 #define MM 45396.0
-#define TICKS_PER_MS (1000u / AXIS_TICK_US)
+#define TICKS_PER_MS 5u /* of machine_run */
 
 static void start(void)
 {

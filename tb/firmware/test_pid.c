@@ -53,6 +53,14 @@ static double reference_tick(struct reference *r, double error, double velocity,
     return clamp(out, g->output_limit_steps);
 }
 
+/* Feed-forward anew and a tick. */
+static int32_t pid(const struct pid_config *cfg, struct pid_state *st, int32_t error_q16,
+                   int32_t velocity_q16, int32_t acceleration_q20)
+{
+    pid_feed(cfg, st, error_q16, velocity_q16, acceleration_q20, true, true);
+    return pid_tick(&cfg->rates, st, error_q16);
+}
+
 /* Random smooth motion with noise of a count; every output within a step and a permille. */
 static bool agrees(const struct pid_gains *g, uint32_t period_us, double most)
 {
@@ -66,9 +74,9 @@ static bool agrees(const struct pid_gains *g, uint32_t period_us, double most)
     for (int n = 0; n < 4000; n++) {
         double t = n * r.tick_ms, velocity = 30 * sin(t / 50), acceleration = 0.6 * cos(t / 50);
         double error = floor((most * sin(t / 17) + uniform(-1, 1)) * 256) / 256;
-        int32_t out = pid_tick(&cfg, &st, (int32_t)(error * 256),
-                               (int32_t)lround(velocity * r.tick_ms * 65536),
-                               (int32_t)lround(acceleration * r.tick_ms * r.tick_ms * 1048576));
+        int32_t out = pid(&cfg, &st, (int32_t)(error * 65536),
+                          (int32_t)lround(velocity * r.tick_ms * 65536),
+                          (int32_t)lround(acceleration * r.tick_ms * r.tick_ms * 1048576));
 
         worst = fmax(worst, fabs(out - reference_tick(&r, error, velocity, acceleration)));
     }
@@ -80,14 +88,15 @@ static bool agrees(const struct pid_gains *g, uint32_t period_us, double most)
 TEST(follows_its_law_at_the_default_gains)
 {
     srand(1);
-    CHECK(agrees(&defaults, 200, 3));
-    CHECK(agrees(&defaults, 200, 300));
+    CHECK(agrees(&defaults, 100, 3));
+    CHECK(agrees(&defaults, 100, 300));
 }
 
 TEST(follows_its_law_at_other_periods)
 {
     srand(2);
     CHECK(agrees(&defaults, 50, 30));
+    CHECK(agrees(&defaults, 200, 30));
     CHECK(agrees(&defaults, 250, 30));
     CHECK(agrees(&defaults, 1000, 30));
 }
@@ -101,7 +110,7 @@ TEST(each_term_acts_alone)
         int32_t *const gains[] = {&g.kp, &g.ki, &g.kd, &g.kv, &g.ka, &g.friction_steps};
 
         *gains[term] = 200;
-        CHECK(agrees(&g, 200, 20));
+        CHECK(agrees(&g, 100, 20));
     }
 }
 
@@ -110,14 +119,14 @@ TEST(output_and_integral_keep_their_limit)
     struct pid_config cfg;
     struct pid_state st;
 
-    pid_configure(&cfg, &defaults, 200);
+    pid_configure(&cfg, &defaults, 100);
     pid_reset(&st, 0);
     for (int n = 0; n < 20000; n++) {
-        CHECK(pid_tick(&cfg, &st, 1000 * 256, 0, 0) <= 2500);
+        CHECK(pid(&cfg, &st, 1000 * 65536, 0, 0) <= 2500);
         CHECK(st.integral_q14 <= 2500 * 16384);
     }
-    CHECK_INT(pid_tick(&cfg, &st, 1000 * 256, 0, 0), 2500);
-    CHECK_INT(pid_tick(&cfg, &st, -1000 * 256, 0, 0), -2500);
+    CHECK_INT(pid(&cfg, &st, 1000 * 65536, 0, 0), 2500);
+    CHECK_INT(pid(&cfg, &st, -1000 * 65536, 0, 0), -2500);
 }
 
 TEST(a_clamped_output_does_not_wind_up)
@@ -125,10 +134,10 @@ TEST(a_clamped_output_does_not_wind_up)
     struct pid_config cfg;
     struct pid_state st;
 
-    pid_configure(&cfg, &defaults, 200);
-    pid_reset(&st, 2000 * 256);
+    pid_configure(&cfg, &defaults, 100);
+    pid_reset(&st, 2000 * 65536);
     for (int n = 0; n < 50000; n++)
-        CHECK_INT(pid_tick(&cfg, &st, 2000 * 256, 0, 0), 2500);
+        CHECK_INT(pid(&cfg, &st, 2000 * 65536, 0, 0), 2500);
     CHECK(st.integral_q14 < 100 * 16384);
 }
 
@@ -145,63 +154,115 @@ TEST(no_argument_overflows)
         pid_reset(&st, any());
         for (int n = 0; n < 50; n++) {
             int32_t extremes[] = {INT32_MAX, INT32_MIN, 0, any()};
-            int32_t out = pid_tick(&cfg, &st, extremes[rand() % 4], extremes[rand() % 4],
-                                   extremes[rand() % 4]);
+            int32_t error = pid_clamp(extremes[rand() % 4], PID_ERROR_LIMIT_Q16), out;
+
+            if (n % 4 == 0)
+                pid_feed(&cfg, &st, extremes[rand() % 4], extremes[rand() % 4],
+                         extremes[rand() % 4], rand() % 2, rand() % 2);
+            out = pid_tick(&cfg.rates, &st, error);
 
             CHECK(abs(out) <= cfg.output_limit_steps && cfg.output_limit_steps <= 8191);
         }
     }
 }
 
+/* Toward a closed switch it does not drive, nor wind up. */
+TEST(the_output_keeps_to_its_side)
+{
+    struct pid_config cfg;
+    struct pid_state st;
+
+    pid_configure(&cfg, &defaults, 100);
+    pid_reset(&st, 0);
+    for (int n = 0; n < 2000; n++) {
+        pid_feed(&cfg, &st, 50 * 65536, 65536, 0, true, false);
+        CHECK_INT(pid_tick(&cfg.rates, &st, 50 * 65536), 0);
+    }
+    CHECK(st.integral_q14 < 100 * 16384);
+    pid_feed(&cfg, &st, -50 * 65536, -65536, 0, true, false);
+    CHECK(pid_tick(&cfg.rates, &st, -50 * 65536) < -200);
+    pid_feed(&cfg, &st, -50 * 65536, -65536, 0, false, true);
+    CHECK_INT(pid_tick(&cfg.rates, &st, -50 * 65536), 0);
+}
+
 TEST(the_loop_takes_any_position_and_set_point)
 {
     struct loop_config cfg = {
-        .finish_counts = 1, .drift_counts = 18, .runaway_counts = 90000, .runaway_ticks = 50,
-        .dead_ticks = 500, .settle_ticks = 10, .settle_limit_ticks = 2500, .lead_ticks = 3,
-        .nudge = {24, 1000, 2500, 1, 4},
+        .lag_q31 = 300000000, .finish_counts = 1, .drift_counts = 18, .runaway_counts = 90000,
+        .runaway_turns = 50, .dead_turns = 500, .settle_turns = 10, .settle_limit_turns = 2500,
+        .nudge = {24, 1000, 2500, 2, 4},
     };
 
     srand(5);
-    pid_configure(&cfg.pid, &defaults, 200);
+    pid_configure(&cfg.pid, &defaults, 100);
     for (int i = 0; i < 2000; i++) {
         struct loop_state st = {0};
         struct profile_state profile;
 
+        loop_configure(&st, &cfg);
         loop_rest(&st);
         for (int n = 0; n < 30; n++) {
             int32_t places[] = {INT32_MAX, INT32_MIN, 0, any(), st.position_counts};
+            int32_t place = places[rand() % 5], duty;
 
-            st.commanded = st.commanded || rand() % 4 == 0;
+            if (rand() % 4 == 0 && st.mode > LOOP_SPIN)
+                loop_track(&cfg, &st, rand() % 2);
             profile_rest(&profile, places[rand() % 5] * (INT64_C(1) << 32) + (uint32_t)any());
-            profile.now.velocity_q32 = (int64_t)any() * (INT64_C(1) << rand() % 16);
-            CHECK(abs(loop_tick(&cfg, &st, &profile, places[rand() % 5])) <= 2500);
+            profile.step_q48 = (int64_t)any() * (INT64_C(1) << rand() % 32);
+            profile.change_q48 = any();
+            duty = loop_tick(&st, &profile, place);
+            CHECK(abs(duty) <= 2500);
+            loop_turn(&cfg, &st, &profile, place, duty, rand() % 2, rand() % 2);
         }
     }
+}
+
+/* The place expected follows a moving set-point by its speed times the lag, and catches up. */
+TEST(the_axis_is_expected_a_lag_behind_the_set_point)
+{
+    struct loop_config cfg = {.lag_q31 = (int32_t)(2147483648.0 / 7), .drift_counts = 18};
+    struct loop_state st = {0};
+    struct profile_state profile;
+
+    pid_configure(&cfg.pid, &defaults, 100);
+    loop_configure(&st, &cfg);
+    loop_rest(&st);
+    loop_track(&cfg, &st, true);
+    profile_rest(&profile, 0);
+    profile.step_q48 = 5 * (INT64_C(1) << 48);
+    for (int n = 0; n < 300; n++)
+        (void)loop_tick(&st, &profile, 0);
+    /* A low-pass of share s lags by (1 - s) / s ticks. */
+    CHECK(fabs(st.lag_q16 / 65536.0 - 5 * 6) < 0.01);
+    profile.step_q48 = 0;
+    for (int n = 0; n < 300; n++)
+        (void)loop_tick(&st, &profile, 0);
+    CHECK(fabs(st.lag_q16 / 65536.0) < 0.001);
 }
 
 TEST(nudges_grow_until_the_axis_moves_and_shrink_when_it_went_too_far)
 {
     static const struct nudge_config cfg = {
-        .reach_counts = 24, .first_steps = 1000, .limit_steps = 2500, .pulse_ticks = 1,
-        .rest_ticks = 4,
+        .reach_counts = 24, .first_steps = 1000, .limit_steps = 2500, .pulse_ticks = 2,
+        .rest_turns = 4,
     };
     struct nudge_state st;
     int32_t last = 0, position = 0;
 
     nudge_reset(&cfg, &st);
-    CHECK_INT(nudge_tick(&cfg, &st, 3, position, 3), 0);
+    CHECK_INT(nudge_turn(&cfg, &st, 3, position, 3), 0);
     for (int pulse = 0; pulse < 20; pulse++) {
-        int32_t steps = nudge_tick(&cfg, &st, 3, position, 100);
+        int32_t steps = nudge_turn(&cfg, &st, 3, position, 100);
 
         CHECK(steps > last || steps == 2500);
         CHECK(pulse > 0 || steps == 1000);
         last = steps;
         for (int rest = 0; rest < 4; rest++)
-            CHECK_INT(nudge_tick(&cfg, &st, 3, position, 100), 0);
+            CHECK_INT(nudge_turn(&cfg, &st, 3, position, 100), 0);
     }
     CHECK_INT(last, 2500);
     position = 5;
-    CHECK_INT(nudge_tick(&cfg, &st, -2, position, 100), -1875);
+    CHECK_INT(nudge_turn(&cfg, &st, -2, position, 100), -1875);
 }
 
 TEST_MAIN(RUN(follows_its_law_at_the_default_gains);
@@ -210,5 +271,7 @@ TEST_MAIN(RUN(follows_its_law_at_the_default_gains);
           RUN(output_and_integral_keep_their_limit);
           RUN(a_clamped_output_does_not_wind_up);
           RUN(no_argument_overflows);
+          RUN(the_output_keeps_to_its_side);
           RUN(the_loop_takes_any_position_and_set_point);
+          RUN(the_axis_is_expected_a_lag_behind_the_set_point);
           RUN(nudges_grow_until_the_axis_moves_and_shrink_when_it_went_too_far))

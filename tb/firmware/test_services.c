@@ -46,7 +46,7 @@ TEST(ring_keeps_order_and_refuses_when_full)
 TEST(interrupt_hooks_run_at_once_with_name_argument_and_time)
 {
     start();
-    events_publish_from_interrupt(EVENT_SERVO_TICK, 7, UINT64_C(0x123456789A));
+    events_publish_from_interrupt(EVENT_SERVO_TURN, 7, UINT64_C(0x123456789A));
     CHECK_INT(sample_ticks, 1);
     CHECK_INT(sample_last_argument, 7);
     CHECK(sample_last_time == UINT64_C(0x123456789A));

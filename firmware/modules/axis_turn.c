@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* The tick interrupt: what takes turns, one axis a tick. Built for size: it is cold each time. */
+#include "modules/axis_state.h"
+
+#include <stddef.h>
+
+#include "hal/inputs.h"
+#include "hal/snapshot.h"
+
+static void release(struct axis *a, enum loop_fault fault)
+{
+    loop_free(&a->loop, fault);
+    a->generation++;
+}
+
+static void stop(struct axis *a, enum axis_stop why)
+{
+    release(a, LOOP_NO_FAULT);
+    a->report.stops++;
+    a->report.last_stop = why;
+    a->report.stop_at_start = a->limit_at_start;
+}
+
+bool axis_begin(struct axis *a)
+{
+    struct handover *h = &a->handover;
+
+    if (a->loop.mode == LOOP_FREE || a->loop.mode == LOOP_SPIN)
+        return false;
+    if (h->generation != a->generation) {
+        h->state = AXIS_HANDOVER_LATE;
+        return false;
+    }
+    profile_begin(&a->profile, h->plan);
+    loop_track(a->config, &a->loop, h->commanded);
+    a->generation++;
+    a->begin_tick = axis_ticks();
+    a->limit_at_start = a->limit_lower || a->limit_upper;
+    h->state = AXIS_HANDOVER_NONE;
+    return true;
+}
+
+static void spin(struct axis *a)
+{
+    a->spins_seen = a->spins;
+    if (a->off)
+        return;
+    if (a->spin_steps != 0) {
+        a->generation++;
+        a->limit_at_start = a->limit_lower || a->limit_upper;
+        loop_spin(&a->loop, a->spin_steps);
+    } else if (a->loop.mode == LOOP_SPIN) {
+        release(a, LOOP_NO_FAULT);
+    }
+}
+
+/* Let go of an axis that must not be driven; take it back when it may and stands still. */
+static void supervise(struct axis *a, bool inhibited)
+{
+    if (a->enables_seen != a->enables) {
+        a->enables_seen = a->enables;
+        a->fault = false;
+    }
+    /* Switched off counts also when it is on again already. */
+    a->off = inhibited || !a->enabled || a->fault || a->disables_seen != a->disables;
+    a->disables_seen = a->disables;
+    if (a->loop.mode != LOOP_FREE) {
+        if (a->off)
+            stop(a, AXIS_STOP_INHIBITED);
+    } else if (!a->off && a->loop.still_turns >= AXIS_REST_TURNS) {
+        loop_rest(&a->loop);
+        a->generation++;
+    }
+    if (a->spins_seen != a->spins)
+        spin(a);
+}
+
+/* Neither a set-point nor a spin may lead into a closed switch. */
+static void check_limits(struct axis *a)
+{
+    bool rising, falling;
+
+    if (a->loop.mode == LOOP_FREE)
+        return;
+    if (a->loop.mode == LOOP_SPIN) {
+        rising = a->loop.held_steps > 0;
+        falling = a->loop.held_steps < 0;
+    } else {
+        rising = a->profile.step_q48 > 0;
+        falling = a->profile.step_q48 < 0;
+    }
+    if (rising && a->limit_upper)
+        stop(a, AXIS_STOP_LIMIT_UPPER);
+    else if (falling && a->limit_lower)
+        stop(a, AXIS_STOP_LIMIT_LOWER);
+}
+
+static void note_fault(struct axis *a, enum loop_fault fault)
+{
+    static const uint8_t stops[] = {
+        [LOOP_NOT_SETTLED] = AXIS_STOP_NOT_SETTLED,
+        [LOOP_DEAD] = AXIS_STOP_DEAD,
+        [LOOP_RUNAWAY] = AXIS_STOP_RUNAWAY,
+        [LOOP_OVERFLOW] = AXIS_STOP_OVERFLOW,
+    };
+
+    a->report.stops++;
+    a->report.last_stop = stops[fault];
+    a->generation++;
+    a->fault = fault != LOOP_NOT_SETTLED;
+}
+
+void axis_turn(struct axis *a, unsigned axis, int32_t position_counts, int32_t duty_steps)
+{
+    const struct loop_config *config = a->config;
+    uint32_t switches = inputs_of_axis(axis);
+    bool regulated, commanded, behind;
+
+    a->limit_lower = (switches & INPUTS_LIMIT_LOWER) != 0;
+    a->limit_upper = (switches & INPUTS_LIMIT_UPPER) != 0;
+    supervise(a, (switches & INPUTS_ESTOP) != 0);
+    check_limits(a);
+
+    /* An axis that is let go has its set-point where it is. */
+    regulated = a->loop.mode != LOOP_FREE;
+    if (a->loop.mode <= LOOP_SPIN)
+        profile_rest(&a->profile, (int64_t)position_counts * (INT64_C(1) << 32));
+
+    if (a->configures_seen != a->configures) {
+        a->configures_seen = a->configures;
+        loop_configure(&a->loop, config);
+    }
+    commanded = a->loop.commanded;
+    behind = a->loop.behind;
+    loop_turn(config, &a->loop, &a->profile, position_counts, duty_steps, !a->limit_lower,
+              !a->limit_upper);
+    if (a->loop.behind && !behind)
+        a->report.lags++;
+    if (regulated && a->loop.mode == LOOP_FREE) {
+        note_fault(a, (enum loop_fault)a->loop.fault);
+    } else if (commanded && !a->loop.commanded) {
+        a->report.arrivals++;
+        a->report.arrival_time_fast = snapshot_tick_time_fast();
+    }
+}
