@@ -14,6 +14,7 @@
 #include "hal/timer.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
+#include "modules/inputs.h"
 #include "modules/limits.h"
 #include "modules/modules.h"
 #include "modules/save_positions.h"
@@ -68,7 +69,7 @@ bool application_init(void)
         serial_say("Abbe: too many event hooks, not started\r\n");
         return false;
     }
-    serial_init(identity_clock_rate_hz(), APPLICATION_BITS_PER_S);
+    serial_init(identity_clock_rate_hz(), inputs_rate_bits_per_s());
     console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
     start(true);
     return true;

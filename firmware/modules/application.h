@@ -10,9 +10,6 @@
 
 #include "core/module.h"
 
-/** Bit rate of the serial port after start-up. */
-#define APPLICATION_BITS_PER_S 115200u
-
 /**
  * Start everything: the servo tick, the settings, the modules, the serial port, the interrupts.
  *

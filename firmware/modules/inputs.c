@@ -68,8 +68,8 @@ static enum status rdadc(const struct request *request, struct reply *reply)
 enum { DIP_RATE = 3, DIP_Y_REVERSED = 4, DIP_X_REVERSED = 8, DIP_ALL = 15 };
 enum { AXIS_X, AXIS_Y };
 
-/* What is used instead of the switches, or -1. */
-static double dip_setting;
+/* What is used instead of the switches, or -1; before the settings are loaded, too. */
+static double dip_setting = -1;
 
 static unsigned dip(void)
 {
@@ -77,11 +77,11 @@ static unsigned dip(void)
 }
 
 /* Switches 4 and 5, off and on: off off, on off, off on, on on. The original calls off DOWN. */
-static uint32_t rate_bits_per_s(unsigned switches)
+uint32_t inputs_rate_bits_per_s(void)
 {
     static const uint32_t rates[] = {115200, 28800, 19200, 9600};
 
-    return rates[switches & DIP_RATE];
+    return rates[dip() & DIP_RATE];
 }
 
 static double get_dip(unsigned axis)
@@ -109,7 +109,7 @@ static void init(void)
     for (unsigned pin = 0; pin < INPUTS_TTL_COUNT; pin++)
         (void)inputs_take_edges((enum inputs_ttl)pin, &edges);
     adc_enable();
-    serial_set_rate(identity_clock_rate_hz(), rate_bits_per_s(dip()));
+    serial_set_rate(identity_clock_rate_hz(), inputs_rate_bits_per_s());
 }
 
 static const struct command commands[] = {

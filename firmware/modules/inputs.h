@@ -12,6 +12,9 @@
 
 extern const struct module inputs_module;
 
+/** Rate of the serial port, by the switches or what stands in for them. */
+uint32_t inputs_rate_bits_per_s(void);
+
 /** The time of a stamp of an input, in fast clocks; to a microsecond, up to 85 s after it. */
 uint64_t inputs_time_fast(uint32_t at_cycles);
 

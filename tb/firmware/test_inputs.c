@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/fault.h"
 #include "core/settings.h"
 #include "host/mmio.h"
 #include "machine.h"
@@ -322,9 +323,23 @@ TEST(it_stops_at_the_soft_limits)
     panel_analog(0, 1.0);
     machine_run(1500 * TICKS_PER_MS);
     CHECK_NEAR(position_mm(0), 1, 0.001);
+    for (unsigned entry = 0; entry < FAULT_LOG; entry++) /* a hand at the limit is no error */
+        CHECK(fault_read(entry) != FAULT_LIMIT_UPPER);
     panel_analog(0, 0.0);
     machine_run(300 * TICKS_PER_MS);
     CHECK_NEAR(speed_mm_per_s(0, 50), expected_mm_per_s(0, 100), 0.1);
+}
+
+TEST(it_does_not_drive_back_from_beyond_a_limit)
+{
+    start();
+    SEND("SU X=-1", DONE); /* the axis is at 0, beyond it */
+    panel_analog(0, 1.0);
+    machine_run(300 * TICKS_PER_MS);
+    CHECK_NEAR(position_mm(0), 0, 0.001);
+    panel_analog(0, 0.0);
+    machine_run(300 * TICKS_PER_MS);
+    CHECK(position_mm(0) < -0.5);
 }
 
 TEST(after_a_halt_it_must_be_let_go)
@@ -446,7 +461,7 @@ TEST_MAIN(RUN(presses_of_the_joystick_button_are_said); RUN(a_press_is_taken_onc
           RUN(switches_4_and_5_set_the_rate); RUN(switches_7_and_8_reverse_y_and_x);
           RUN(a_setting_stands_in_for_switches); RUN(a_deflection_is_a_speed);
           RUN(the_button_makes_it_slow_while_it_moves); RUN(it_stops_at_the_soft_limits);
-          RUN(after_a_halt_it_must_be_let_go);
+          RUN(it_does_not_drive_back_from_beyond_a_limit); RUN(after_a_halt_it_must_be_let_go);
           RUN(a_command_takes_the_axis_and_a_hand_does_not_disturb_it); RUN(devices_are_settings);
           RUN(without_a_converter_there_is_no_joystick); RUN(a_knob_moves_its_axis_by_distances);
           RUN(edges_of_less_than_a_count_are_not_lost);
