@@ -49,8 +49,8 @@ test-firmware: $(READY) ## Firmware on the host, under sanitizers
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
 
-test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, two equal bitstreams, every proof
-	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py
+test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, every proof
+	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
 	@FULL_BUILD=1 $(PYTEST) tb/gateware/test_product.py
 	@$(PYTHON) -m tb.formal
 
@@ -62,6 +62,9 @@ test-transcripts: $(READY) ## What hosts say and must be told [PORT=device|pty|h
 
 test-gates: $(READY) ## Every test of a block on the netlist that goes to the FPGA
 	@$(PYTEST) -n $(JOBS) --dist worksteal --gates all -m gates tb/rtl tb/gates
+
+fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
+	@$(PYTHON) -m tb.fuzz $(if $(RUNS),--runs $(RUNS)) $(ARGS)
 
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
@@ -107,4 +110,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts test-gates formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
+.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts test-gates fuzz formal lint gen pins firmware gateware gateware-seeds flash program clean distclean

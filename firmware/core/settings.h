@@ -32,6 +32,9 @@ extern const struct settings_store settings_ram;
 /** The n-th value in RAM; false: there are fewer. For back ends that keep an image of it. */
 bool settings_ram_entry(unsigned n, uint32_t *key, double *value);
 
+/** Nothing is in RAM: as after power-up. */
+void settings_ram_clear(void);
+
 /** Choose the store; before settings_load. Without it, settings_ram. */
 void settings_init(const struct settings_store *store);
 

@@ -44,6 +44,11 @@ static bool ram_commit(void)
     return true;
 }
 
+void settings_ram_clear(void)
+{
+    used = 0;
+}
+
 bool settings_ram_entry(unsigned n, uint32_t *key, double *value)
 {
     if (n >= used)

@@ -42,10 +42,11 @@ static double counts_from_origin(unsigned axis)
     return round(mm * coordinates_counts_per_mm(axis) * (coordinates_mirrored(axis) ? -1 : 1));
 }
 
+/* An axis that is not driven is never in position, and rests where it is. */
 static bool all_rest(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if (!motion_in_position(axis))
+        if (motion_ready(axis) && !motion_in_position(axis))
             return false;
     return true;
 }

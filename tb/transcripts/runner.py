@@ -36,17 +36,17 @@ class Result:
 class Host:
     """A controller behind an open pyserial port.
 
-    ``patience`` is how long a reply may take, ``quiet`` how long silence is listened to, in seconds.
+    ``patience`` is how long a reply may take, ``quiet`` how long silence is listened to, in seconds of ``clock``.
     """
 
-    def __init__(self, port, *, patience=2.0, quiet=0.02):
-        self._port, self._patience, self._quiet = port, patience, quiet
+    def __init__(self, port, *, patience=2.0, quiet=0.02, clock=time.monotonic):
+        self._port, self._patience, self._quiet, self._clock = port, patience, quiet, clock
         port.timeout = quiet
 
     def listen(self, seconds):
         """All bytes of that time."""
-        end, data = time.monotonic() + seconds, b""
-        while (left := end - time.monotonic()) > 0:
+        end, data = self._clock() + seconds, b""
+        while (left := end - self._clock()) > 0:
             self._port.timeout = min(left, self._quiet)
             data += self._port.read(4096)
         return data
@@ -55,8 +55,9 @@ class Host:
         """Send bytes; the reply, and whatever comes right behind it."""
         self._port.reset_input_buffer()
         self._port.write(data)
-        reply, end = b"", time.monotonic() + (self._quiet if silent else self._patience)
-        while time.monotonic() < end and not complete(reply):
+        reply, end = b"", self._clock() + (self._quiet if silent else self._patience)
+        while self._clock() < end and not complete(reply):
+            self._port.timeout = min(self._quiet, max(0, end - self._clock()))
             reply += self._port.read(max(1, self._port.in_waiting))
         return reply + (self._port.read(4096) if self._port.in_waiting else b"")
 
@@ -65,16 +66,16 @@ class Host:
         return self.ask(line.encode("latin-1") + b"\r").decode("latin-1").rstrip(" \r\n")
 
     def wait_until_idle(self):
-        end = time.monotonic() + max(IDLE_S, 5 * self._patience)
+        end = self._clock() + max(IDLE_S, 5 * self._patience)
         while (said := self.say("/")) != "N":
-            if time.monotonic() > end:
+            if self._clock() > end:
                 raise Deaf(f"STATUS says {said!r} and not N")
 
     def wait_until_back(self):
         """After a restart: until it answers again; commands of the meantime may be lost."""
-        end = time.monotonic() + max(5, 2 * self._patience)
+        end = self._clock() + max(5, 2 * self._patience)
         while self.say("/") not in ("N", "B"):
-            if time.monotonic() > end:
+            if self._clock() > end:
                 raise Deaf("no answer after a restart")
         self.listen(self._quiet)
 

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Fuzz target: bytes from the serial line through line, parser, rows and replies of the whole
+ * firmware, and the binary format, while axes move. Linked with libFuzzer, or with replay.c.
+ *
+ * Each input starts from power-up. Claims, beside what the sanitizers see: the console never gets
+ * stuck, and afterwards a good line gets its one right answer.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/console.h"
+#include "core/events.h"
+#include "core/fault.h"
+#include "core/report.h"
+#include "core/settings.h"
+#include "machine.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+enum {
+    TURNS_PER_TICK = 4,
+    TURNS_MAX = 20000, /* enough for the longest queue of the longest replies */
+    INPUT_MAX = 4096,
+    OUTPUT = 64,
+};
+
+RING_DEFINE(receive, 256);
+RING_DEFINE(transmit, 256);
+
+static struct console console;
+static unsigned turns;
+
+/* What came out last; enough for the answer that is looked at. */
+static char output[OUTPUT];
+static size_t output_length;
+
+static void turn(void)
+{
+    uint8_t byte;
+
+    console_poll(&console);
+    fault_poll();
+    events_poll();
+    while (ring_take(&transmit, &byte)) {
+        if (output_length == OUTPUT - 1)
+            memmove(output, output + 1, --output_length);
+        output[output_length++] = (char)byte;
+        output[output_length] = '\0';
+    }
+    if (++turns % TURNS_PER_TICK == 0)
+        machine_run(1);
+}
+
+static void settle(void)
+{
+    for (unsigned n = 0; n < TURNS_MAX; n++) {
+        turn();
+        if (console_idle(&console) && ring_used(&receive) == 0)
+            return;
+    }
+    fprintf(stderr, "the console does not come to rest\n");
+    abort();
+}
+
+static void expect(const char *line, const char *reply)
+{
+    /* Ends what is half typed or half a frame, and is itself no more than an empty line. */
+    for (const char *at = "\r\r\r\r\r\r\r\r\377A\r"; *at != '\0'; at++)
+        ring_put(&receive, (uint8_t)*at);
+    settle();
+    /* Of a line of the input that had no CR, or that said something by itself. */
+    report_clear();
+    output_length = 0;
+    output[0] = '\0';
+    for (const char *at = line; *at != '\0'; at++)
+        ring_put(&receive, (uint8_t)*at);
+    settle();
+    if (strstr(output, reply) == NULL) {
+        fprintf(stderr, "%.*s gives \"%s\"\n", (int)strlen(line) - 1, line, output);
+        abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (size > INPUT_MAX)
+        return 0;
+    settings_ram_clear();
+    machine_start();
+    ring_clear(&receive);
+    ring_clear(&transmit);
+    console_init(&console, &receive, &transmit, NULL);
+    turns = 0;
+    for (size_t at = 0; at < size;) {
+        while (at < size && ring_put(&receive, data[at]))
+            at++;
+        turn();
+    }
+    settle();
+    expect("CD\r", "20");
+    expect("FOO\r", ":N-1\r");
+    return 0;
+}
