@@ -8,6 +8,9 @@ namespace plant {
 
 namespace {
 
+/* So little of stall torque that it changes no bit of what is added to it. */
+constexpr double NO_TORQUE = 1e-30;
+
 struct Matrix {
     double m[4][4];
 };
@@ -106,6 +109,8 @@ void Axis::step(double drive)
 
     if (speed_ == 0.0 && std::fabs(torque_) <= breakaway_) {
         torque_ = drive + (torque_ - drive) * hold_decay_;
+        if (std::fabs(torque_) < NO_TORQUE)
+            torque_ = 0.0;
         speed_after_ = 0.0;
         return;
     }

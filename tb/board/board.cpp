@@ -16,6 +16,8 @@
 
 namespace {
 
+constexpr int64_t NEVER = INT64_MAX;
+
 int64_t whole_step_ps(const plant::Parameters &parameters)
 {
     const double ps = parameters.plant_step_ns * 1e3;
@@ -53,6 +55,7 @@ struct board {
     std::vector<AxisOnBoard> axes;
     std::vector<board_edge> edges; /* of the running step, in order of time */
     size_t next_edge = 0;
+    bool resting = false; /* all axes are at rest without drive: plant steps would change nothing, and are left out */
     struct board_pins pins{};
     plant::Panel panel;
     plant::Adc adc;
@@ -79,11 +82,23 @@ struct board {
 
     void drive(int64_t time_ps, unsigned n, double level)
     {
+        if (resting && level != 0.0)
+            wake(time_ps);
         Drive &drive = axes[n].drive;
         const int64_t at_ps = std::clamp(time_ps, drive.since_ps, step_end_ps);
         drive.sum_ps += drive.level * double(at_ps - drive.since_ps);
         drive.since_ps = at_ps;
         drive.level = std::clamp(level, -1.0, 1.0);
+    }
+
+    /** Plant steps go on, on their grid, with the one that runs at `time_ps`. */
+    void wake(int64_t time_ps)
+    {
+        resting = false;
+        step_end_ps = std::max(step_end_ps, (time_ps + step_ps - 1) / step_ps * step_ps);
+        for (AxisOnBoard &on : axes)
+            on.drive.since_ps = step_end_ps - step_ps;
+        plan();
     }
 
     bool next(board_edge *edge)
@@ -109,7 +124,8 @@ struct board {
 
     void plan()
     {
-        next_ps = std::min(next_edge < edges.size() ? edges[next_edge].time_ps : step_end_ps, panel.next_ps());
+        const int64_t stage_ps = next_edge < edges.size() ? edges[next_edge].time_ps : resting ? NEVER : step_end_ps;
+        next_ps = std::min(stage_ps, panel.next_ps());
     }
 
     void turn(int64_t time_ps, unsigned knob, int step)
@@ -139,6 +155,9 @@ struct board {
         std::stable_sort(edges.begin(), edges.end(),
                          [](const board_edge &a, const board_edge &b) { return a.time_ps < b.time_ps; });
         step_end_ps += step_ps;
+        resting = std::all_of(axes.begin(), axes.end(), [](const AxisOnBoard &on) {
+            return on.axis.at_rest() && on.drive.level == 0.0;
+        });
     }
 
     /** The stage does not turn round within a step: its edges are those between the counts at either end. */
