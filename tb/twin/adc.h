@@ -60,6 +60,7 @@ public:
             case Kind::SHIFT: shift(edge); break;
             case Kind::MOSI: outputs_.set(edge, ADC_MOSI, word_ >> 15); break;
             case Kind::FRAME_ENDS: frame_ends(edge); break;
+            case Kind::SCAN_ENDS: scan_ends(edge); break;
             case Kind::TICK: begin_scan(edge); break;
             case Kind::FRAME: frame(edge); break;
             case Kind::IDLE: outputs_.set(edge, ADC_SCK, idle_high_); break;
@@ -68,7 +69,7 @@ public:
     }
 
 private:
-    enum class Kind { HALF, SHIFT, MOSI, FRAME_ENDS, TICK, FRAME, IDLE };
+    enum class Kind { HALF, SHIFT, MOSI, FRAME_ENDS, SCAN_ENDS, TICK, FRAME, IDLE };
 
     static constexpr unsigned CHANNELS = REG_ADC_CHANNEL_COUNT, BITS = 12;
     static constexpr uint16_t CONFIGURATION[] = {0x0040, 0x8000, 0x8800, 0x9000, 0x9800};
@@ -105,13 +106,13 @@ private:
     /** A frame begins at `edge`; pins are flip-flops that follow it. */
     void frame(Time edge)
     {
-        word_ = command();
-        result_ = 0;
         if (converter_) {
-            result_ = converter_(word_);
-            agenda_.add(edge + HALVES * HALF - SYNC, Kind::FRAME_ENDS);
+            for (; frame_ < FRAMES; frame_++, edge += HALVES * HALF)
+                take(converter_(command()));
+            agenda_.add(edge - SYNC, Kind::SCAN_ENDS);
             return;
         }
+        word_ = command();
         outputs_.set(edge, ADC_CS_N, false);
         agenda_.add(edge + SYNC, Kind::MOSI);
         agenda_.add(edge + HALF, Kind::HALF, 1);
@@ -143,15 +144,25 @@ private:
 
     void frame_ends(Time edge)
     {
-        const unsigned channel = result_ >> BITS;
-        if (frame_ >= CONFIGURATIONS && channel < CHANNELS) {
-            scanned_[channel] = result_ & ((1u << BITS) - 1);
-            come_ |= 1u << channel;
-        }
-        if (++frame_ < FRAMES) {
+        take(result_);
+        if (++frame_ < FRAMES)
             agenda_.add(edge + SYNC, Kind::FRAME);
+        else
+            scan_ends(edge);
+    }
+
+    /** The word that a frame brought. */
+    void take(uint16_t word)
+    {
+        const unsigned channel = word >> BITS;
+        if (frame_ < CONFIGURATIONS || channel >= CHANNELS)
             return;
-        }
+        scanned_[channel] = word & ((1u << BITS) - 1);
+        come_ |= 1u << channel;
+    }
+
+    void scan_ends(Time edge)
+    {
         busy_ = false;
         complete_ = configured_ = come_ == (1u << CHANNELS) - 1;
         if (!complete_) {
