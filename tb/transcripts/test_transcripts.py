@@ -90,6 +90,26 @@ def test_a_reset_forgets_positions_and_keeps_what_was_saved():
         assert host.say("S X?") == ":A X=1.250000"
 
 
+BURST = ("UM X=10000 Y=10000 Z=10000", "R X=0 Y=0 Z=10", "RT Y=0.1", "AC Z=10", "TTL X=2 Y=2 F=1", "PC Z=0.005", "E Z=0.0001")
+
+
+def test_commands_may_come_before_their_replies():
+    """The seven settings a laboratory writes before it reads, and a client's move and status back to back."""
+    with powered() as host:
+        replies = host.ask("".join(f"{line}\r" for line in BURST).encode(), complete=lambda r: r.count(b"\n") >= len(BURST))
+        assert replies == b":A \r\n" * len(BURST)
+        assert host.ask(b"M X=5000\r/ \r", complete=lambda r: r.count(b"\n") >= 2) == b":A \r\nB\r\n"
+
+
+def test_a_kilobyte_of_commands_is_answered_one_by_one_and_in_order():
+    lines = [f"BU Z={n}\rBU Z?" for n in range(70)]
+    data = "".join(f"{line}\r" for line in lines).encode()
+    with powered() as host:
+        replies = host.ask(data, complete=lambda r: r.count(b"\n") >= 140)
+    assert 900 < len(data) < 1024
+    assert replies == b"".join(b":A \r\n:A %d\r\n" % n for n in range(70))
+
+
 class Fake:
     """A port that answers each line from a table, CR LF added unless it has its own."""
 
