@@ -49,6 +49,9 @@ test-firmware: $(READY) ## Firmware on the host, under sanitizers
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
 
+test-twin: $(READY) ## The virtual controller: its ports, its model against the gateware, other people's host programs
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/twin tb/clients
+
 test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, every proof
 	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
 	@FULL_BUILD=1 $(PYTEST) tb/gateware/test_product.py
@@ -110,4 +113,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-slow test-host test-transcripts test-gates fuzz formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
+.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates fuzz formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
