@@ -67,6 +67,11 @@ def test_time_passes_as_it_does(line):
     assert 1.95 < took_s < 2.6
 
 
+def test_a_joystick_in_the_middle_reads_half_of_its_range(line):
+    """The converter, behind words instead of pins."""
+    assert ask(line, "RA X Y").rstrip() == ":A 128 128"
+
+
 def test_both_ports_are_the_same_line(twin, line):
     with serial.serial_for_url(twin.url, timeout=5) as remote:
         assert ask(remote, "W X") == ask(line, "W X")
