@@ -4,10 +4,12 @@
 #include <stddef.h>
 
 #include "modules/application.h"
+#include "modules/approach.h"
 #include "modules/buttons.h"
 #include "modules/coordinates.h"
 #include "modules/display.h"
 #include "modules/dump.h"
+#include "modules/home.h"
 #include "modules/identity.h"
 #include "modules/info.h"
 #include "modules/inputs.h"
@@ -22,9 +24,11 @@
 #include "modules/scan.h"
 #include "modules/screw.h"
 #include "modules/settings.h"
+#include "modules/spin.h"
 #include "modules/status.h"
 #include "modules/ttl.h"
 #include "modules/tuning.h"
+#include "modules/vector.h"
 #include "modules/verbose.h"
 #include "modules/z_stack.h"
 
@@ -36,7 +40,11 @@ const struct module *const firmware_modules[] = {
     &limits_module,
     &tuning_module,
     &motion_module,
+    &approach_module,
     &move_module,
+    &home_module,
+    &vector_module,
+    &spin_module,
     &status_module,
     &ttl_module,
     &ring_buffer_module,

@@ -20,6 +20,7 @@ struct motion {
     bool claimed;
     struct motion_move move; /* the last one, for planning it again */
     bool stopping;           /* the last plan is a stop, not `move` */
+    unsigned leg;            /* of the way: before the last one vias, move.via_count is the last */
     bool waiting;            /* `move` is planned when the plan before it has begun */
     int32_t end_counts;      /* where the last plan ends */
     uint32_t arrivals_seen;
@@ -76,6 +77,17 @@ const struct motion_owner *motion_owner(unsigned axis)
     return motions[axis].owner;
 }
 
+/* Other legs follow the present one. */
+static bool is_under_way(const struct motion *m)
+{
+    return m->leg < m->move.via_count;
+}
+
+static void forget_legs(struct motion *m)
+{
+    m->leg = m->move.via_count;
+}
+
 /* Write the plan of an axis for a start at `tick`; returns the generation it holds for. */
 static uint32_t plan(unsigned axis, uint64_t tick)
 {
@@ -87,13 +99,16 @@ static uint32_t plan(unsigned axis, uint64_t tick)
         .acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms),
         .jerk_ticks = m->stopping ? 0.0 : tuning_jerk_ticks(axis),
     };
-    int64_t target_q32 = (int64_t)m->move.target_counts * (INT64_C(1) << 32);
+    int32_t target_counts = m->leg < m->move.via_count ? m->move.via_counts[m->leg]
+                                                       : m->move.target_counts;
+    int64_t target_q32 = (int64_t)target_counts * (INT64_C(1) << 32);
     uint32_t generation;
     struct profile_point start = axis_predict(axis, tick, &generation);
 
-    if (m->stopping)
+    if (m->stopping) {
         target_q32 = profile_stop_q32(&start, &bounds);
-    m->end_counts = (int32_t)(target_q32 >> 32);
+        m->end_counts = (int32_t)(target_q32 >> 32);
+    }
     profile_plan_move(made, &start, target_q32, &bounds);
     return generation;
 }
@@ -112,7 +127,8 @@ static void launch(unsigned axes, unsigned lead_ticks)
             generations[axis] = plan(axis, tick);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
-            axis_hand_over(axis, generations[axis], tick, !motions[axis].stopping);
+            axis_hand_over(axis, generations[axis], tick,
+                           !motions[axis].stopping && !is_under_way(&motions[axis]));
 }
 
 /* Plan the moves that wait. */
@@ -147,6 +163,9 @@ void motion_start(const struct motion_move *moves, unsigned count)
             continue;
         m->move = moves[i];
         m->move.target_counts = limits_clip(moves[i].axis, moves[i].target_counts);
+        for (unsigned n = 0; n < m->move.via_count; n++)
+            m->move.via_counts[n] = limits_nearest(moves[i].axis, m->move.via_counts[n]);
+        m->leg = 0;
         m->end_counts = m->move.target_counts;
         axes |= MOTION_AXIS(moves[i].axis);
         wait |= is_about_to_begin(moves[i].axis);
@@ -170,6 +189,7 @@ void motion_stop(unsigned axes)
         if ((axes & MOTION_AXIS(axis)) == 0)
             continue;
         m->waiting = false;
+        forget_legs(m);
         /* A stop under way is left alone: stops that follow each other would put it off. */
         if (m->stopping && axis_handover(axis) != AXIS_HANDOVER_NONE)
             continue;
@@ -187,8 +207,10 @@ void motion_stop(unsigned axes)
 
 bool motion_halt(void)
 {
-    bool commanded = motion_busy();
+    bool commanded = false;
 
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        commanded |= motion_axis_busy(axis) && !motions[axis].owner->open_loop;
     motion_stop(MOTION_AXES_ALL);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         tell(axis, MOTION_HALTED);
@@ -201,6 +223,7 @@ void motion_enable(unsigned axis, bool enable)
     axis_enable(axis, enable);
     if (!enable) {
         motions[axis].waiting = false;
+        forget_legs(&motions[axis]);
         (void)axis_plan(axis);
         tell(axis, MOTION_DISABLED);
     }
@@ -226,7 +249,7 @@ bool motion_axis_busy(unsigned axis)
         return true;
     if (m->stopping)
         return false;
-    if (axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (is_under_way(m) || axis_handover(axis) != AXIS_HANDOVER_NONE)
         return true;
     return axis_commanded(axis);
 }
@@ -243,7 +266,8 @@ bool motion_in_position(unsigned axis)
 {
     struct axis_view view;
 
-    if (motions[axis].waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (motions[axis].waiting || is_under_way(&motions[axis]) ||
+        axis_handover(axis) != AXIS_HANDOVER_NONE)
         return false;
     axis_read(axis, &view);
     return view.mode == LOOP_IDLE && !view.commanded;
@@ -261,7 +285,8 @@ int32_t motion_target_counts(unsigned axis)
 {
     struct axis_view view;
 
-    if (motions[axis].waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)
+    if (motions[axis].waiting || is_under_way(&motions[axis]) ||
+        axis_handover(axis) != AXIS_HANDOVER_NONE)
         return motions[axis].end_counts;
     axis_read(axis, &view);
     return (int32_t)(view.end_q32 >> 32);
@@ -313,8 +338,14 @@ static void report(unsigned axis)
     axis_read(axis, &view);
     if (view.off && (m->waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)) {
         m->waiting = false;
+        forget_legs(m);
         (void)axis_plan(axis);
         tell(axis, MOTION_DISABLED);
+    }
+    if (is_under_way(m) && !m->waiting && !view.planned &&
+        axis_handover(axis) == AXIS_HANDOVER_NONE) {
+        m->leg++;
+        m->waiting = true;
     }
     if (view.report.lags != m->lags_seen) {
         m->lags_seen = view.report.lags;
@@ -322,6 +353,8 @@ static void report(unsigned axis)
     }
     if (view.report.stops != m->stops_seen) {
         m->stops_seen = view.report.stops;
+        m->waiting = m->waiting && !is_under_way(m);
+        forget_legs(m);
         if (code(axis, &view.report) != FAULT_NONE)
             log_error(code(axis, &view.report));
         tell(axis, why(view.report.last_stop));

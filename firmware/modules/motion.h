@@ -30,6 +30,7 @@ struct motion_owner {
     const char *name;
     bool busy;   /* its motion is "commanded": STATUS says B, bit 0 of RDSTAT is set */
     bool holds;  /* busy as long as it has an axis claimed, also between its motions */
+    bool open_loop; /* no move for HALT to answer :N-21 for */
     char letter; /* what RS axis+ prints while it moves the axis */
 
     /**
@@ -45,12 +46,16 @@ struct motion_owner {
     void (*ended)(unsigned axis, enum motion_end why);
 };
 
+enum { MOTION_VIAS_MAX = 2 };
+
 /** One axis' part of a motion. */
 struct motion_move {
     unsigned axis;
     int32_t target_counts;
     double speed_counts_per_s; /* cruise speed, above 0, at most the axis' maximum */
     double ramp_ms;            /* from rest to speed_counts_per_s, and back; above 0 */
+    unsigned via_count;        /* places to go to before, without settling there */
+    int32_t via_counts[MOTION_VIAS_MAX];
 };
 
 /** A bit for each axis. */

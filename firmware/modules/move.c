@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "modules/approach.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
 #include "modules/positions.h"
@@ -53,8 +54,10 @@ bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *tar
     if (!motion_claim(axes, owner))
         return false;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((axes & MOTION_AXIS(axis)) != 0)
-            moves[count++] = move_of(axis, target_counts[axis]);
+        if ((axes & MOTION_AXIS(axis)) != 0) {
+            moves[count] = move_of(axis, target_counts[axis]);
+            approach_plan(&moves[count++]);
+        }
     motion_start(moves, count);
     return true;
 }

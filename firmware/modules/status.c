@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "modules/coordinates.h"
 #include "modules/joystick.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
@@ -25,6 +26,19 @@ static bool motor_on(const struct axis_view *view)
     return view->mode != LOOP_FREE && view->mode != LOOP_IDLE;
 }
 
+/* At the end of the travel that is the upper or the lower one to the user: switch, or soft limit. */
+static bool switch_closed(unsigned axis, const struct axis_view *view, bool upper)
+{
+    return upper != coordinates_mirrored(axis) ? view->limit_upper : view->limit_lower;
+}
+
+static bool at_limit(unsigned axis, const struct axis_view *view, bool upper)
+{
+    return switch_closed(axis, view, upper) ||
+           (upper != coordinates_mirrored(axis) ? limits_at_upper(axis, view->position_counts)
+                                                : limits_at_lower(axis, view->position_counts));
+}
+
 uint8_t status_byte(unsigned axis)
 {
     struct axis_view view;
@@ -36,8 +50,8 @@ uint8_t status_byte(unsigned axis)
     bits |= motor_on(&view) ? BIT_MOTOR_ON : 0;
     bits |= view.ramping ? BIT_RAMPING : 0;
     bits |= view.ramping && view.ramping_up ? BIT_RAMPING_UP : 0;
-    bits |= view.limit_upper ? BIT_UPPER_LIMIT : 0;
-    bits |= view.limit_lower ? BIT_LOWER_LIMIT : 0;
+    bits |= switch_closed(axis, &view, true) ? BIT_UPPER_LIMIT : 0;
+    bits |= switch_closed(axis, &view, false) ? BIT_LOWER_LIMIT : 0;
     return (uint8_t)bits;
 }
 
@@ -48,9 +62,9 @@ char status_limit_letter(unsigned axis)
     axis_read(axis, &view);
     if (!motion_enabled(axis))
         return 'D';
-    if (view.limit_upper || limits_at_upper(axis, view.position_counts))
+    if (at_limit(axis, &view, true))
         return 'U';
-    if (view.limit_lower || limits_at_lower(axis, view.position_counts))
+    if (at_limit(axis, &view, false))
         return 'L';
     return ' ';
 }

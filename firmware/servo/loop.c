@@ -174,6 +174,16 @@ static void settle(const struct loop_config *cfg, struct loop_state *st, int32_t
     }
 }
 
+/* HOLD: against whatever pushes. Within the finish error the drive stays what it took to get there. */
+static void hold(const struct loop_config *cfg, struct loop_state *st, int32_t error_q16)
+{
+    st->regulated = magnitude(st->error_counts) > cfg->finish_counts;
+    if (st->regulated)
+        return;
+    st->held_steps = st->pid.integral_q14 / 16384;
+    st->pid.smooth_q16 = pid_clamp(error_q16, PID_ERROR_LIMIT_Q16);
+}
+
 /* Let go of an axis that does not obey: its encoder or motor is not what the loop takes it for. */
 static void supervise(const struct loop_config *cfg, struct loop_state *st, int32_t moved_counts)
 {
@@ -230,7 +240,9 @@ void loop_turn(const struct loop_config *cfg, struct loop_state *st,
     if (st->mode > LOOP_IDLE)
         supervise(cfg, st, moved_counts);
     decide(cfg, st, moving, error_q16);
-    if (st->mode >= LOOP_SETTLE)
+    if (st->mode == LOOP_HOLD)
+        hold(cfg, st, error_q16);
+    else if (st->mode >= LOOP_SETTLE)
         settle(cfg, st, error_q16);
     if (st->regulated)
         /* Acceleration with 20 fraction bits. */

@@ -10,7 +10,7 @@
  *     SETTLE  the set-point stands; brings the axis within the finish error, where it must stay
  *             for settle_turns
  *     WAIT    arrived; as SETTLE, for the pause the user asked for
- *     HOLD    arrived; as SETTLE, until the set-point moves again
+ *     HOLD    arrived; regulated until the set-point moves again, whatever pushes
  *
  * Friction holds an axis that has arrived, so within the finish error the drive is off and nothing
  * hunts. The same friction keeps a servo from moving an axis by a count: once the axis stands still

@@ -47,8 +47,8 @@ static const char *page_at_rest(char letter, int id)
              "dv_enc       :         3         LL Axis ID   :        %d\r"
              "Drift Error  :  0.000400 [E]  mm enc_drift_err:        18\r"
              "Finish Error :  0.000022 [PC] mm enc_finsh_err:         0\r"
-             "Backlash     :  0.000000      mm enc_backlash :         0\r"
-             "Overshoot    :  0.000000      mm enc_overshoot:         0\r"
+             "Backlash     :  0.000000 [B]  mm enc_backlash :         0\r"
+             "Overshoot    :  0.000000 [OS] mm enc_overshoot:         0\r"
              "Kp           :       800 [KP]    Ki(*16)      :      2400 [KI]\r"
              "Kv           :       106 [KV]    Kd           :       400 [KD]\r"
              "Ka           :        93 [KA]    Kadc         :         0\r"
@@ -58,7 +58,7 @@ static const char *page_at_rest(char letter, int id)
              "Target pos   :    0.0000      mm enc target   :         0\r"
              "enc pos error:         0         EEsum        :         0\r"
              "Lst Stle Time:         0      ms Av Settle Tim:         0 ms\r"
-             "Home position:   1000.00      mm Motor Signal :         0\r"
+             "Home position:   1000.00 [HM] mm Motor Signal :         0\r"
              "mm/sec/DAC_ct:   0.00333         Enc Cnts/mm  :  45396.00 [C]\r"
              "Wait Time    :         0 [WT]    Maintain code:         0 [MA]",
              letter, letter, device, id);
@@ -134,7 +134,7 @@ TEST(columns_hold_and_every_command_named_answers)
         }
         line = end + 1;
     }
-    CHECK_INT(commands, 16);
+    CHECK_INT(commands, 19);
 }
 
 TEST(page_is_true_in_motion)
