@@ -69,6 +69,9 @@ test-gates: $(READY) ## Every test of a block on the netlist that goes to the FP
 fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
 	@$(PYTHON) -m tb.fuzz $(if $(RUNS),--runs $(RUNS)) $(ARGS)
 
+bench: $(READY) ## How fast and how well the servo moves four lead screws, beside the original; build/bench/motion.json
+	@$(PYTHON) -m tb.bench
+
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
 
@@ -113,4 +116,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates fuzz formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates fuzz formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
