@@ -153,6 +153,7 @@ async def ticks_as_close_as_a_scan_are_served_and_closer_ones_told(dut):
         await bench.clocks(1)
         assert await read(dut, EVENTS) == 0 and await read(dut, STATUS) & VALID
         assert await bench.channels() == expected
+        bench.draw()
         await bench.clocks(SCAN - 30)
         await bench.tick()                                  # too early
         await bench.clocks(1)
