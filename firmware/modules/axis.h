@@ -31,8 +31,8 @@
 /** Time from one turn of an axis to the next, in which settings of the loop are counted. */
 #define AXIS_TURN_US (AXIS_TICK_US * LOOP_TURN_TICKS)
 
-/** Turns of standstill after which an axis that was let go is regulated again: 20 ms. */
-#define AXIS_REST_TURNS (20000u / AXIS_TURN_US)
+/** Turns of standstill after which an axis that was let go is regulated again: 10 ms. */
+#define AXIS_REST_TURNS (10000u / AXIS_TURN_US)
 
 /** Why the interrupt stopped an axis. */
 enum axis_stop {

@@ -52,7 +52,8 @@ void axis_tick(void)
             events_publish_from_interrupt(EVENT_SERVO_TURN, now, snapshot_tick_time_fast());
         turn = (turn + 1) % LOOP_TURN_TICKS;
     }
-    if (pwm_acknowledge_tick())
+    /* The first one comes after a start-up that took longer than a tick. */
+    if (pwm_acknowledge_tick() && now != 1)
         log_error_from_interrupt(FAULT_TASK_OVERTIME);
     took = interrupts_cycles() - began;
     axis_cycles_last = took;

@@ -5,7 +5,7 @@ import pytest
 
 from tb.sim.simulator import MS, US
 
-PERIOD_CLOCKS = 10_000              # of the servo tick: 4 PWM periods of 2500
+PERIOD_CLOCKS = 5_000               # of the servo tick: 2 PWM periods of 2500
 BIT_US = 434 * 0.02
 
 
@@ -14,13 +14,14 @@ def tick_clocks(sim):
     return tuple(map(int, sim.command("TICK").split()[1:]))
 
 
-def test_the_servo_tick_leaves_the_processor_half_of_its_time(powered):
+def test_the_servo_tick_takes_three_fifths_of_the_processor_at_most(powered):
     early, _ = tick_clocks(powered)
     powered.command("M X=3000 Y=3000 Z=300 F=300")
     moving = []
     for _ in range(8):
         powered.run(5 * MS)
         moving.append(tick_clocks(powered)[0])
+        powered.command("W X Y Z F")
     assert powered.command("/") == "B\r\n"
     longest = tick_clocks(powered)[1]
     powered.run(120 * MS)
@@ -28,7 +29,7 @@ def test_the_servo_tick_leaves_the_processor_half_of_its_time(powered):
     rest, _ = tick_clocks(powered)
     print(f"servo interrupt, 4 axes: {early} clocks after power-up, {min(moving)} to {max(moving)} while all move, "
           f"longest {longest}, {rest} at rest, of {PERIOD_CLOCKS}")
-    assert 0 < rest < min(moving) and max(moving) <= longest <= PERIOD_CLOCKS // 2
+    assert 0 < rest < min(moving) and max(moving) <= longest <= PERIOD_CLOCKS * 6 // 10
 
 
 @pytest.mark.parametrize("command", ["/", "W X", "W X Y Z F", "V", "S X?", "FOO", "M X=100"])

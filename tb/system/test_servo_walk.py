@@ -86,7 +86,7 @@ def test_the_duty_is_taken_at_one_phase(powered):
     width = falling - rising
     changed = (np.diff(width) != 0) & (np.diff(rising) == 50 * US)
     assert changed.sum() > 20
-    assert len(np.unique(rising[1:][changed] % (200 * US))) == 1
+    assert len(np.unique(rising[1:][changed] % (100 * US))) == 1
 
 
 def test_a_limit_switch_stops_the_axis(built):
