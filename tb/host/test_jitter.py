@@ -152,7 +152,7 @@ def test_dithering_faster_than_the_latency_with_the_least_latency_given(tmp_path
     edges = then(travel(BEFORE, MEAN_PS, 5), [-1, 1] * 3, 12_345)
     scope = Scope(onward(edges, travel(24 * 50 + AFTER, MEAN_PS, 6)), 24, 50, [(BEFORE, 1)]).run()
     figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 24, "--pixels", 50,
-                      "--latency-min-ns", 40, "--latency-max-ns", 50)
+                      "--latency-min-ns", 50, "--latency-max-ns", 60)
     assert figures["start_counts"] == BEFORE
 
 
@@ -178,7 +178,7 @@ def test_pixels_closer_than_the_greatest_latency(tmp_path):
     scope = line(n=1, pixels=500, mean_ps=30_000, width_ps=10_000)
     del scope.pulses[249]
     figures = analyse(scope.write_vcd(tmp_path / "pins.vcd"), "--n", 1, "--pixels", 500,
-                      "--latency-min-ns", 40, expect=1)
+                      "--latency-min-ns", 50, expect=1)
     assert figures["lines"][0]["missed_k"] == [250]
     assert (figures["extra"], figures["moved"]) == (0, 0)
 

@@ -11,8 +11,8 @@ from tb.vectors import figures, load
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted([*(DOCS / "blocks").glob("*.md"), DOCS / "timing.md", DOCS / "index.md"])
-BLOCKS = {"quadrature", "snapshot", "compare", "divider", "router", "line", "pulse", "pwm", "interlock", "serial", "timer",
-          "inputs", "identity", "crossing", "bus"}
+BLOCKS = {"quadrature", "snapshot", "compare", "divider", "router", "line", "pulse", "pwm", "interlock", "serial",
+          "timer", "inputs", "buttons", "knob", "adc", "identity", "crossing", "bus"}
 HEADINGS = ["Pins", "How to use it", "Timing", "Limits and errors"]
 
 
@@ -62,8 +62,11 @@ def cited(text):
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_every_test_cited_exists(page):
     sources = "\n".join(path.read_text() for ending in ("py", "c") for path in (ROOT / "tb").rglob(f"test_*.{ending}"))
+    proofs = "\n".join(path.read_text() for path in (ROOT / "tb" / "formal").glob("*.py"))
     for name in cited(page.read_text()):
-        assert re.search(rf"\bdef {name}\(|\bTEST\({name}\)", sources), name
+        proof = "".join(word.capitalize() for word in name.split("_"))
+        assert (re.search(rf"\bdef {name}\(|\bTEST\({name}\)", sources)
+                or re.search(rf"^class {proof}\(Proof\)", proofs, re.MULTILINE)), name
 
 
 def test_pages_with_numbers_cite_tests():
