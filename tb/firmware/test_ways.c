@@ -150,7 +150,8 @@ TEST(a_vector_has_no_slowest_speed)
     start();
     SEND("VE X=0.00002");
     closed_loop_run(1000 * TICKS_PER_MS);
-    CHECK(fabs(speed_mm_per_s(0, 20000) - 0.00002) < 0.000003);
+    /* It sticks and slips by some five counts; 91 pass in the time. */
+    CHECK(fabs(speed_mm_per_s(0, 100000) - 0.00002) < 0.000002);
     SEND("VE X=1e-6");
     closed_loop_run(1000 * TICKS_PER_MS);
     axis_read(0, &before);

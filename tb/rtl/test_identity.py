@@ -9,7 +9,7 @@ from cocotb.triggers import FallingEdge
 from rtl.identity import IdentityPeripheral
 from tb.rtl.register_bus import idle, read, write
 
-EXPECTED = [0x41626265, 1, 0xfedcba98, 50_000_000, 200_000_000]
+EXPECTED = [0x41626265, 2, 0xfedcba98, 50_000_000, 200_000_000]
 ARGUMENTS = {"build_id": 0xfedcba98, "clock_hz": 50_000_000, "fast_clock_hz": 200_000_000}
 
 
