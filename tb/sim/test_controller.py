@@ -5,8 +5,11 @@ import subprocess
 
 import pytest
 
+from soc.top import REGIONS
 from tb.sim import build, controller
 from tb.sim.test_simulator import FIXTURE
+
+RAM = REGIONS[1].address
 
 SOURCE = """
 .section .boot, "ax"
@@ -28,7 +31,7 @@ def elf(tmp_path_factory):
     directory = tmp_path_factory.mktemp("elf")
     (directory / "image.S").write_text(SOURCE)
     places = [f"-Wl,--section-start={name}={address:#x}" for name, address in {
-        ".boot": 0, ".app": 0x10000, ".table": 0x10100, ".zero": 0x10200}.items()]
+        ".boot": 0, ".app": RAM, ".table": RAM + 0x100, ".zero": RAM + 0x200}.items()]
     subprocess.run(["riscv64-unknown-elf-gcc", "-march=rv32im", "-mabi=ilp32", "-misa-spec=2.2", "-nostdlib",
                     *places, "-Wl,-e0", "-o", "image.elf", "image.S"], cwd=directory, check=True)
     return directory / "image.elf"
