@@ -106,7 +106,7 @@ static void identity(void)
 
 static void faults(void)
 {
-    static const uint32_t loads[] = {0x00002000, 0x00030000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000};
+    static const uint32_t loads[] = {0x00002000, 0x00060000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000};
     for (unsigned n = 0; n < sizeof loads / sizeof *loads; n++) {
         (void)mmio_read32(loads[n]);
         report_fault("load");
@@ -138,7 +138,7 @@ static void faults(void)
 
 static void memory(void)
 {
-    volatile uint32_t *ram = (uint32_t *)0x00012340;
+    volatile uint32_t *ram = (uint32_t *)0x00022340;
     volatile uint8_t *bytes = (uint8_t *)ram;
     ram[0] = 0x11223344;
     bytes[1] = 0xaa;
@@ -147,9 +147,9 @@ static void memory(void)
 
     /* Every word of RAM below the stack is its own: write all, then sum what differs. */
     uint32_t differ = 0;
-    for (uint32_t a = 0x00018000; a < 0x0002c000; a += 1020)
+    for (uint32_t a = 0x00028000; a < 0x0005c000; a += 1020)
         mmio_write32(a, a * 2654435761u);
-    for (uint32_t a = 0x00018000; a < 0x0002c000; a += 1020)
+    for (uint32_t a = 0x00028000; a < 0x0005c000; a += 1020)
         differ |= mmio_read32(a) ^ a * 2654435761u;
     line1("ram", differ);
 
@@ -214,8 +214,8 @@ static void missing(uint32_t before)
     /* A new line of the data cache with every load, and a new line of the other with every pass. */
     static uint32_t offset;
     offset = offset < 0x14000 ? offset + 4128 : 0;
-    (void)mmio_read32(0x00018000 + offset);
-    (void)mmio_read32(0x00018020 + offset);
+    (void)mmio_read32(0x00028000 + offset);
+    (void)mmio_read32(0x00028020 + offset);
     __asm__ volatile("fence.i");
 }
 
