@@ -58,9 +58,8 @@ async def a_level_is_readable_two_clocks_after_it_is_sampled(dut):
     assert seen == [0] * LATENCY + [1] * (6 - LATENCY)
 
 
-@cocotb.test(timeout_time=5, timeout_unit="ms")
-async def edges_are_kept_and_stamped(dut):
-    """A random walk of the two TTL inputs, cleared now and then; the reference remembers what was done."""
+async def start(dut):
+    """All pins and the time at 0, one clock in reset."""
     cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
     idle(dut)
     dut.rst.value = 1
@@ -69,6 +68,12 @@ async def edges_are_kept_and_stamped(dut):
     dut.count.value = 0
     await FallingEdge(dut.clk)
     dut.rst.value = 0
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def edges_are_kept_and_stamped(dut):
+    """A random walk of the two TTL inputs, cleared now and then; the reference remembers what was done."""
+    await start(dut)
     seed = random.randrange(1 << 32)
     dut._log.info(f"seed {seed}")
     rng = random.Random(seed)
@@ -102,14 +107,7 @@ async def edges_are_kept_and_stamped(dut):
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_pulse_of_one_clock_is_both_edges(dut):
-    cocotb.start_soon(Clock(dut.clk, 20, unit="ns").start())
-    idle(dut)
-    dut.rst.value = 1
-    for pin in PINS:
-        getattr(dut, pin).value = 0
-    dut.count.value = 0
-    await FallingEdge(dut.clk)
-    dut.rst.value = 0
+    await start(dut)
     dut.in1.value = 1
     await FallingEdge(dut.clk)
     dut.in1.value = 0
