@@ -53,8 +53,8 @@ test-twin: $(READY) ## The virtual controller: its ports, its model against the 
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/twin tb/clients
 
 test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, the product's netlist, every proof
-	@FULL_LINES=1 $(PYTEST) -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
-	@FULL_BUILD=1 $(PYTEST) tb/gateware/test_product.py
+	@FULL_LINES=1 $(PYTEST) --timeout 0 -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
+	@FULL_BUILD=1 $(PYTEST) --timeout 0 tb/gateware/test_product.py
 	@$(MAKE) --no-print-directory test-gates-soc
 	@$(PYTHON) -m tb.formal
 
@@ -74,7 +74,7 @@ bench: $(READY) ## How fast and how well the servo moves four lead screws, besid
 	@$(PYTHON) -m tb.bench
 
 test-gates-soc: $(READY) ## The product's whole netlist, with its firmware, from configuration to its first replies
-	@GATES_SOC=1 $(PYTEST) tb/gates/test_soc.py
+	@GATES_SOC=1 $(PYTEST) --timeout 0 tb/gates/test_soc.py
 
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)

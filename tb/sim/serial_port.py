@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The simulated controller's serial line with the interface of a pyserial port, in simulated time."""
 
+import math
+
 from tb.sim.simulator import S, US
 
 __all__ = ["SerialPort"]
@@ -15,7 +17,8 @@ class SerialPort:
     ----------
     sim : tb.sim.simulator.Simulator
 
-    ``timeout`` is in simulated seconds, as is :meth:`clock`.
+    ``timeout`` is in simulated seconds, as is :meth:`clock`.  Whatever is above 0 lets some time pass, so that a
+    program that waits for a time by the clock gets there.
     """
 
     def __init__(self, sim):
@@ -38,7 +41,7 @@ class SerialPort:
 
     def read(self, size=1):
         """At most ``size`` bytes, after waiting for them at most ``timeout``."""
-        end_ps = self._sim.time_ps + int(self.timeout * S)
+        end_ps = self._sim.time_ps + math.ceil(self.timeout * S)
         while self.in_waiting < size and self._sim.time_ps < end_ps:
             self._sim.run(min(SLICE_PS, end_ps - self._sim.time_ps))
         data, self._data = self._data[:size], self._data[size:]
