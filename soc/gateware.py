@@ -16,7 +16,6 @@ So new firmware takes seconds.  Equal sources give equal bitstreams: nothing in 
 """
 
 import argparse
-import fcntl
 import hashlib
 import importlib
 import json
@@ -96,8 +95,9 @@ def firmware_words(regions):
     A board with less RAM than firmware is linked for gets the boot program alone, and the sentence says so.
     """
     from tb.sim.controller import FIRMWARE, load_segments
-    toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
-    segments = list(load_segments(FIRMWARE.read_bytes()))
+    with toolchain.firmware_lock():
+        toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
+        segments = list(load_segments(FIRMWARE.read_bytes()))
     result, whole = {}, True
     for region, linked in zip(regions, REGIONS):
         image = bytearray()
@@ -147,10 +147,8 @@ class Flow:
     def _stage(self, directory, name, *inputs):
         """Hold ``directory``; yields whether the stage has to run.  ``<name>.stage`` keeps the key of its inputs and
         its seconds, and is written when the body has ended without an exception."""
-        directory.mkdir(parents=True, exist_ok=True)
         stamp, key = directory / f"{name}.stage", toolchain.content_key(*inputs)
-        with open(directory / "lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+        with toolchain.exclusive(directory / "lock"):
             known = stamp.exists() and stamp.read_text().split()[0] == key
             if not known:
                 stamp.unlink(missing_ok=True)

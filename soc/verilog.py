@@ -7,7 +7,6 @@ so that new firmware needs no new build.
 """
 
 import argparse
-import fcntl
 from pathlib import Path
 
 from soc import cpu, memory
@@ -30,9 +29,7 @@ def build_id():
 def write(directory):
     """Write ``abbe.v`` into ``directory`` unless the one there is of this design.  Returns its path."""
     directory = Path(directory)
-    directory.mkdir(parents=True, exist_ok=True)
-    with open(directory / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+    with toolchain.exclusive(directory / "lock"):
         return _write(directory, *_sources(build_id=build_id()))
 
 

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The pinned tools, ready to call: environment for Verilator and the YoWASP tools, RTLIL to Verilog, cache keys.
+"""The pinned tools, ready to call: environment for Verilator and the YoWASP tools, RTLIL to Verilog, cache keys
+and locks.
 
 Everything here works from the project's virtual environment alone; nothing needs a tool on the system's PATH.
 YoWASP tools run in a sandbox that sees only relative paths, and compile themselves for about two minutes at
 their first use on a machine.
 """
 
+import fcntl
 import hashlib
 import os
 import subprocess
 import sys
 import sysconfig
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -45,6 +48,32 @@ def content_key(*parts):
         data = part.read_bytes() if isinstance(part, Path) else part.encode() if isinstance(part, str) else part
         digest.update(len(data).to_bytes(8, "little") + data)
     return digest.hexdigest()[:16]
+
+
+@contextmanager
+def exclusive(path):
+    """Hold a lock file, made if need be, against other processes that ask for it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def cached(directory):
+    """Hold ``directory``; yields whether it still has to be filled.
+
+    It counts as filled once the body has ended without an exception.
+    """
+    done = directory / "done"
+    with exclusive(directory / "lock"):
+        yield not done.exists()
+        done.touch()
+
+
+def firmware_lock():
+    """Hold what ``make -C firmware`` makes, in all its variants."""
+    return exclusive(BUILD / "firmware.lock")
 
 
 def run(command, *, cwd=None, log=None):

@@ -2,7 +2,6 @@
 """A Verilog ``dut`` under Verilator, driven by the cocotb tests of one file."""
 
 import contextlib
-import fcntl
 import inspect
 import os
 import re
@@ -33,10 +32,8 @@ def build(name, write_sources, *, arguments=("--no-timing",)):
     """
     from cocotb_tools.runner import get_runner
     directory = toolchain.BUILD / "cocotb" / name
-    directory.mkdir(parents=True, exist_ok=True)
-    with open(directory / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (directory / "done").exists():
+    with toolchain.cached(directory) as empty:
+        if empty:
             sources = write_sources(directory)
             control = directory / "control.vlt"
             control.write_text("`verilator_config\nlint_off\n" + "".join(
@@ -45,7 +42,6 @@ def build(name, write_sources, *, arguments=("--no-timing",)):
                 sources=[control, *sources], hdl_toplevel="dut", build_dir=directory, always=True,
                 timescale=TIMESCALE, build_args=["-Wno-fatal", "--no-public-flat-rw", *arguments],
                 log_file=directory / "build.log")
-            (directory / "done").touch()
     return directory
 
 

@@ -28,7 +28,6 @@ each step) or ``AnyConst``; only inputs may be assumed, never an output of the b
 at reset, and is not reset later.
 """
 
-import fcntl
 import importlib
 import subprocess
 import time
@@ -139,9 +138,7 @@ def _load(name, change):
 def _check(name, mode, depth, text):
     """Run sby; returns (its verdict, seconds, its log)."""
     folder = toolchain.BUILD / "formal" / name
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)        # two runs at once take turns
+    with toolchain.exclusive(folder / "lock"):
         (folder / "top.il").write_text(text)
         (folder / "job.sby").write_text(
             f"[options]\nmode {mode}\ndepth {depth}\n\n[engines]\nsmtbmc z3\n\n"

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from soc import contents, gateware
 from tb import toolchain
-from tb.board.library import cached
 from tb.gates import netlist
 
 __all__ = ["Product"]
@@ -77,7 +76,7 @@ class Product:
         """
         directory = toolchain.BUILD / "cocotb" / ("bram-" + toolchain.content_key(
             self.directory / "top.json", json.dumps(words)))
-        with cached(directory) as empty:
+        with toolchain.cached(directory) as empty:
             if empty:
                 self._write_memory(directory, words)
         return directory

@@ -12,7 +12,6 @@ from pathlib import Path
 from tb import toolchain
 from tb.board import board
 from tb.board.library import build as build_library
-from tb.board.library import cached
 
 HERE = Path(__file__).parent
 TB = HERE.parent
@@ -65,7 +64,7 @@ def build_model(verilog):
     """Directory of the Verilated model of a Verilog file: headers and archives."""
     verilog = Path(verilog).resolve(strict=True)
     directory = model_directory(verilog)
-    with cached(directory) as empty:
+    with toolchain.cached(directory) as empty:
         if empty:
             toolchain.run(["verilator", *VERILATOR_FLAGS, "--Mdir", directory, split_vectors(verilog, directory)],
                           log=directory / "verilator.log")

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tb import toolchain
-from tb.board.library import cached, exclusive
 from tb.sim.build import is_built
 from tb.sim.simulator import Simulator
 
@@ -92,11 +91,11 @@ def build(say=lambda sentence: None):
     its simulator; the firmware takes a moment only. The controller's files are copies, named by content: a later
     build does not change them under a running simulation.
     """
-    with exclusive(toolchain.BUILD / "sim" / "controller.lock"):
+    with toolchain.firmware_lock():
         verilog = write_verilog(say)
         toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
         directory = toolchain.BUILD / "sim" / "controller" / toolchain.content_key(verilog, FIRMWARE)
-        with cached(directory) as empty:
+        with toolchain.cached(directory) as empty:
             if empty:
                 shutil.copy(verilog, directory)
                 write_images(FIRMWARE, directory)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from soc import generate, verilog
 from tb import toolchain
-from tb.board.library import cached
 from tb.sim.build import build_model
 
 HERE = Path(__file__).parent
@@ -31,7 +30,7 @@ def build_program():
     parts = [generated["build/generated/regs.h"], generated["build/generated/memory.ld"], " ".join(CFLAGS),
              *sources, HERE / "program" / "link.ld", HERE / "program" / "hal" / "mmio.h"]
     directory = BUILD / toolchain.content_key(*parts)
-    with cached(directory) as empty:
+    with toolchain.cached(directory) as empty:
         if empty:
             _compile(directory, generated, sources)
     return directory / "program.hex"
@@ -52,7 +51,7 @@ def build_bench():
     model = build_model(verilog.write(toolchain.BUILD / "soc"))
     source = HERE / "bench.cpp"
     directory = BUILD / toolchain.content_key(source, model.name)
-    with cached(directory) as empty:
+    with toolchain.cached(directory) as empty:
         if empty:
             include = Path(toolchain.environment()["VERILATOR_ROOT"]) / "include"
             toolchain.run(["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-I", model, "-isystem", include,

@@ -14,7 +14,6 @@ from soc.bus import RegisterBridge
 from soc.cpu import BUS
 from soc.top import PERIPHERALS, REGISTERS, Abbe
 from tb import toolchain
-from tb.board.library import cached
 from tb.sim.build import build_model, verilator_root
 
 __all__ = ["Peripherals", "build", "fields"]
@@ -95,7 +94,7 @@ def build():
     here = toolchain.ROOT / "tb" / "twin"
     generated = generate.files()["build/generated/regs.h"]
     directory = toolchain.BUILD / "lockstep" / toolchain.content_key(rtlil)
-    with cached(directory) as empty:
+    with toolchain.cached(directory) as empty:
         if empty:
             toolchain.to_verilog(rtlil, directory / "abbe.v", flatten=True, top="abbe")
     model = build_model(directory / "abbe.v")
@@ -106,7 +105,7 @@ def build():
                toolchain.ROOT / "firmware", "-isystem", include, "-isystem", include / "vltstd", "-isystem", model,
                *sources, here.parent / "board" / "adc.cpp", model / "Vabbe__ALL.a", model / "libverilated.a", "-pthread", "-DVL_TIME_CONTEXT"]
     program = directory / toolchain.content_key(generated, " ".join(map(str, command)), *sources, *headers)
-    with cached(program) as empty:
+    with toolchain.cached(program) as empty:
         if empty:
             (program / "generated").mkdir(exist_ok=True)
             (program / "generated" / "regs.h").write_text(generated)

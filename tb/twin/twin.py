@@ -5,15 +5,13 @@ import subprocess
 
 from tb import toolchain
 from tb.board import plant
-from tb.board.library import exclusive
 
 __all__ = ["Twin", "build", "command"]
 
 
 def build():
     """Path of the program, made if it is not up to date; :exc:`RuntimeError` if that fails."""
-    # The lock of tb.sim.controller, which makes firmware too.
-    with exclusive(toolchain.BUILD / "sim" / "controller.lock"):
+    with toolchain.firmware_lock():
         toolchain.run(["make", "--no-print-directory", "-C", "firmware", "../build/twin/abbe-twin"],
                       cwd=toolchain.ROOT)
     return toolchain.BUILD / "twin" / "abbe-twin"
