@@ -39,7 +39,7 @@ def fuzz(target, runs, seconds):
     corpus.write_files(fresh("start"), [*seeds(modules).values(), *corpus.read()])
     (BUILD / "language.dict").write_text(dictionary(modules))
     done = subprocess.run([target, f"-dict={BUILD / 'language.dict'}", f"-runs={runs}", f"-max_len={LENGTH_MAX}",
-                           f"-max_total_time={seconds}", "-timeout=20", "-print_final_stats=1",
+                           f"-max_total_time={seconds}", "-timeout=20", "-print_final_stats=1", "-entropic=0",
                            "-verbosity=1", f"-artifact_prefix={failed}/", found, BUILD / "start"],
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
     (BUILD / "log.txt").write_text(done.stdout)

@@ -10,9 +10,10 @@ FRAMES = tuple(bytes([24, code, size, *data, 58]) for code, size, data in (
     (63, 0, ()), (84, 3, (16, 39, 0)), (97, 3, ()), (108, 3, ()), (126, 1, ()), (68, 3, (1, 2, 3)), (100, 3, ()),
     (43, 0, ()), (45, 0, ()), (71, 0, ()), (66, 0, ()), (74, 0, ()), (75, 0, ())))
 
-# What takes several commands to get to; long replies let time pass.
-PAUSE = "I X Y Z F\r" * 12
-STORIES = tuple(story.replace(";", "\r").replace("...", PAUSE).encode() for story in (
+PAUSE = b"\x16"         # language.c lets 2 ms pass
+
+# What takes several commands to get to.
+STORIES = tuple(story.replace(";", "\r").encode().replace(b"...", 12 * PAUSE) for story in (
     "LD X=1;LD X=2;LD X+ Y=3;LD X?;TTL X=1;RM;RM;RM F=2;RT Z=0;RM;...RM F?;RM F=3;RM;...RM;RM F=4;RM;RM;RM;RM;",
     "LD X=1;RM F=0;TTL X=12;RM;RM;RM Z=0;RM X=0;RM;",
     "ZS X=1 Y=3 F=1;TTL X=4;RM;...ZS Z=1 F=0;RM;RM;RM;RM;RM;ZS T? M?;ZS M=0;RM;\\;ZS Y=1;RM;RM;",
@@ -34,6 +35,7 @@ def words(modules):
         yield from (f"{letter}{form}".encode() for form in ("=", "?", "+", "-", " "))
     yield from (number.encode() for number in NUMBERS)
     yield from CONTROLS
+    yield from (PAUSE, 12 * PAUSE)
     yield from FRAMES
 
 

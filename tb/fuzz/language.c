@@ -3,7 +3,7 @@
  * Fuzz target: bytes from the serial line through line, parser, rows and replies of the whole
  * firmware, and the binary format, while axes move. Linked with libFuzzer, or with replay.c.
  *
- * Each input starts from power-up. Claims, beside what the sanitizers see: the console never gets
+ * Each input starts from power-up; in it, the byte PAUSE lets 2 ms pass. Claims, beside what the sanitizers see: the console never gets
  * stuck, and afterwards a good line gets its one right answer.
  */
 #include <stdio.h>
@@ -20,10 +20,12 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum {
+    PAUSE = 0x16,
+    PAUSE_TURNS = 40,
     TURNS_PER_TICK = 4,
     TURNS_MAX = 20000, /* enough for the longest queue of the longest replies */
     INPUT_MAX = 4096,
-    OUTPUT = 64,
+    OUTPUT = 1024,
 };
 
 RING_DEFINE(receive, 256);
@@ -32,7 +34,7 @@ RING_DEFINE(transmit, 256);
 static struct console console;
 static unsigned turns;
 
-/* What came out last; enough for the answer that is looked at. */
+/* What came out first since it was last forgotten; enough for the answer that is looked at. */
 static char output[OUTPUT];
 static size_t output_length;
 
@@ -43,12 +45,9 @@ static void turn(void)
     console_poll(&console);
     fault_poll();
     events_poll();
-    while (ring_take(&transmit, &byte)) {
-        if (output_length == OUTPUT - 1)
-            memmove(output, output + 1, --output_length);
-        output[output_length++] = (char)byte;
-        output[output_length] = '\0';
-    }
+    while (ring_take(&transmit, &byte))
+        if (output_length < OUTPUT - 1)
+            output[output_length++] = (char)byte;
     if (++turns % TURNS_PER_TICK == 0)
         machine_run(1);
 }
@@ -73,10 +72,10 @@ static void expect(const char *line, const char *reply)
     /* Of a line of the input that had no CR, or that said something by itself. */
     report_clear();
     output_length = 0;
-    output[0] = '\0';
     for (const char *at = line; *at != '\0'; at++)
         ring_put(&receive, (uint8_t)*at);
     settle();
+    output[output_length] = '\0';
     if (strstr(output, reply) == NULL) {
         fprintf(stderr, "%.*s gives \"%s\"\n", (int)strlen(line) - 1, line, output);
         abort();
@@ -94,9 +93,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     console_init(&console, &receive, &transmit, NULL);
     turns = 0;
     for (size_t at = 0; at < size;) {
-        while (at < size && ring_put(&receive, data[at]))
+        while (at < size && data[at] != PAUSE && ring_put(&receive, data[at]))
             at++;
         turn();
+        for (; at < size && data[at] == PAUSE && ring_used(&receive) == 0; at++)
+            for (unsigned n = 0; n < PAUSE_TURNS; n++)
+                turn();
     }
     settle();
     expect("CD\r", "20");
