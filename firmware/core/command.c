@@ -6,6 +6,7 @@
 
 #include "core/module.h"
 #include "core/number.h"
+#include "core/rows.h"
 #include "core/settings.h"
 
 /* Queries are answered in this order, whatever the order asked, but the hardware's axes first. */
@@ -14,9 +15,10 @@ static const char reply_order[] = "XYZFTRMABCDEGHIJKLNOPQSUVW";
 static const struct module *const no_modules[] = {NULL};
 static const struct module *const *modules = no_modules;
 
-void command_init(const struct module *const *list)
+bool command_init(const struct module *const *list)
 {
     modules = list;
+    return rows_init(list);
 }
 
 const struct module *const *command_modules(void)
@@ -24,27 +26,11 @@ const struct module *const *command_modules(void)
     return modules;
 }
 
-/* Most comparisons end at the first character; they need no call. */
-static bool is_same(const char *a, const char *b)
-{
-    return a[0] == b[0] && strcmp(a, b) == 0;
-}
-
-static bool is_named(const struct command *row, const char *verb)
-{
-    return is_same(row->name, verb) || (row->shortcut != NULL && is_same(row->shortcut, verb));
-}
-
 const struct command *command_find(const char *verb)
 {
-    for (unsigned m = 0; modules[m] != NULL; m++) {
-        const struct command *row = modules[m]->commands;
+    const struct rows_entry *entry = rows_find(verb);
 
-        for (; row != NULL && row->name != NULL; row++)
-            if (is_named(row, verb))
-                return row;
-    }
-    return NULL;
+    return entry != NULL ? entry->command : NULL;
 }
 
 /* A parameter row, and which of its values a letter means. */
@@ -53,21 +39,15 @@ struct target {
     unsigned axis;
 };
 
-static struct target find_target(const struct command *command, char letter)
+static struct target find_target(const struct rows_entry *entry, char letter)
 {
     int axis = axis_index(letter);
 
-    for (unsigned m = 0; modules[m] != NULL; m++) {
-        const struct parameter *row = modules[m]->parameters;
-
-        for (; row != NULL && row->command != NULL; row++) {
-            if (!is_same(row->command, command->name))
-                continue;
-            if (row->letter == letter)
-                return (struct target){row, 0};
-            if (row->letter == PARAMETER_AXES && axis >= 0)
-                return (struct target){row, (unsigned)axis};
-        }
+    for (const struct rows_link *link = entry->parameters; link != NULL; link = link->next) {
+        if (link->row->letter == letter)
+            return (struct target){link->row, 0};
+        if (link->row->letter == PARAMETER_AXES && axis >= 0)
+            return (struct target){link->row, (unsigned)axis};
     }
     return (struct target){NULL, 0};
 }
@@ -194,9 +174,10 @@ static enum status graver(enum status a, enum status b)
 }
 
 /* Judge the whole line. `runs`: something in it is for the handler. */
-static enum status check_line(const struct command *command, const struct request *request,
+static enum status check_line(const struct rows_entry *entry, const struct request *request,
                               bool *runs)
 {
+    const struct command *command = entry->command;
     enum status status = STATUS_OK;
 
     *runs = request->count == 0;
@@ -205,7 +186,7 @@ static enum status check_line(const struct command *command, const struct reques
         return STATUS_MISSING;
     for (size_t i = 0; i < request->count; i++) {
         const struct argument *argument = &request->arguments[i];
-        struct target target = find_target(command, argument->letter);
+        struct target target = find_target(entry, argument->letter);
 
         if (target.parameter != NULL) {
             status = graver(status, check_parameter(target, argument));
@@ -241,17 +222,9 @@ static void print_value(struct reply *reply, const struct parameter *row, unsign
     reply_number(reply, value, decimals);
 }
 
-static void print_query(const struct command *command, const struct request *request, char letter,
-                        struct reply *reply)
+static void print_query(const struct rows_entry *entry, char letter, struct reply *reply)
 {
-    bool asked = false;
-
-    for (size_t i = 0; i < request->count; i++)
-        asked |= request->arguments[i].letter == letter &&
-                 request->arguments[i].kind == ARGUMENT_QUERY;
-    if (!asked)
-        return;
-    const struct target target = find_target(command, letter);
+    const struct target target = find_target(entry, letter);
 
     if (target.parameter == NULL)
         return;
@@ -259,15 +232,28 @@ static void print_query(const struct command *command, const struct request *req
     print_value(reply, target.parameter, target.axis);
 }
 
-static void print_queries(const struct command *command, const struct request *request,
+static uint32_t letter_bit(char letter)
+{
+    return letter >= 'A' && letter <= 'Z' ? UINT32_C(1) << (letter - 'A') : 0;
+}
+
+static void print_queries(const struct rows_entry *entry, const struct request *request,
                           struct reply *reply)
 {
-    reply_open(reply, command->form);
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        print_query(command, request, axis_letter(axis), reply);
-    for (const char *letter = reply_order; *letter != '\0'; letter++)
-        if (axis_index(*letter) < 0)
-            print_query(command, request, *letter, reply);
+    uint32_t asked = 0;
+
+    for (size_t i = 0; i < request->count; i++)
+        if (request->arguments[i].kind == ARGUMENT_QUERY)
+            asked |= letter_bit(request->arguments[i].letter);
+    reply_open(reply, entry->command->form);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if ((asked & letter_bit(axis_letter(axis))) != 0)
+            print_query(entry, axis_letter(axis), reply);
+        asked &= ~letter_bit(axis_letter(axis));
+    }
+    for (const char *letter = reply_order; asked != 0 && *letter != '\0'; letter++)
+        if ((asked & letter_bit(*letter)) != 0)
+            print_query(entry, *letter, reply);
     reply_close(reply);
 }
 
@@ -275,23 +261,24 @@ enum status command_execute(const char *line, size_t length, struct request *req
                             struct reply *reply)
 {
     enum status status = parser_parse(line, length, request);
-    const struct command *command = command_find(request->verb);
+    const struct rows_entry *entry = rows_find(request->verb);
+    const struct command *command = entry != NULL ? entry->command : NULL;
     bool runs;
 
     if (command == NULL)
         return STATUS_UNKNOWN_COMMAND;
     if (status != STATUS_OK && (command->flags & COMMAND_TAKES_TEXT) == 0)
         return status;
-    status = check_line(command, request, &runs);
+    status = check_line(entry, request, &runs);
     if (status != STATUS_OK)
         return status;
     for (size_t i = 0; i < request->count; i++) {
-        struct target target = find_target(command, request->arguments[i].letter);
+        struct target target = find_target(entry, request->arguments[i].letter);
 
         if (target.parameter != NULL)
             set_parameter(target, &request->arguments[i]);
     }
-    print_queries(command, request, reply);
+    print_queries(entry, request, reply);
     return runs ? command->run(request, reply) : STATUS_OK;
 }
 
@@ -314,15 +301,9 @@ enum status command_resume(const struct request *request, struct reply *reply)
 bool command_urgent(const char *line, size_t length)
 {
     char verb[VERB_MAX + 1];
-    bool acted = false;
+    const struct command *command;
 
     parser_verb(line, length, verb);
-    for (unsigned m = 0; modules[m] != NULL; m++) {
-        const struct command *row = modules[m]->commands;
-
-        for (; row != NULL && row->name != NULL; row++)
-            if (row->urgent != NULL && is_named(row, verb))
-                acted |= row->urgent();
-    }
-    return acted;
+    command = command_find(verb);
+    return command != NULL && command->urgent != NULL && command->urgent();
 }

@@ -115,8 +115,8 @@ struct parameter {
 
 struct module;
 
-/** Take the rows of a list of modules, ended by NULL. */
-void command_init(const struct module *const *modules);
+/** Take the rows of a list of modules, ended by NULL. False: more of them than core/rows.h holds. */
+bool command_init(const struct module *const *modules);
 
 /** The list given to command_init. */
 const struct module *const *command_modules(void);

@@ -63,10 +63,9 @@ bool application_init(void)
         return false;
     }
     events_set_clock(axis_time_fast);
-    command_init(firmware_modules);
     action_init(firmware_claims);
-    if (!events_init(firmware_modules)) {
-        serial_say("Abbe: too many event hooks, not started\r\n");
+    if (!command_init(firmware_modules) || !events_init(firmware_modules)) {
+        serial_say("Abbe: too many rows or event hooks, not started\r\n");
         return false;
     }
     serial_init(identity_clock_rate_hz(), inputs_rate_bits_per_s());

@@ -2,21 +2,18 @@
 #include "modules/lookup.h"
 
 #include <stddef.h>
-#include <string.h>
 
-#include "core/module.h"
+#include "core/rows.h"
 
 const struct parameter *lookup_parameter(const char *command, unsigned axis)
 {
-    for (const struct module *const *module = command_modules(); *module != NULL; module++) {
-        const struct parameter *row = (*module)->parameters;
+    const struct rows_entry *entry = rows_find(command);
+    const struct rows_link *link = entry != NULL ? entry->parameters : NULL;
 
-        for (; row != NULL && row->command != NULL; row++)
-            if (strcmp(row->command, command) == 0 &&
-                (row->letter == PARAMETER_AXES || row->letter == axis_letter(axis)))
-                return row;
-    }
-    return NULL;
+    while (link != NULL && link->row->letter != PARAMETER_AXES &&
+           link->row->letter != axis_letter(axis))
+        link = link->next;
+    return link != NULL ? link->row : NULL;
 }
 
 double lookup_value(const char *command, unsigned axis, double absent)

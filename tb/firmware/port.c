@@ -24,7 +24,7 @@ void port_start(const struct module *const *modules)
     ring_clear(&receive);
     ring_clear(&transmit);
     held = false;
-    command_init(modules);
+    (void)command_init(modules);
     (void)events_init(modules);
     settings_load();
     for (; *modules != NULL; modules++)

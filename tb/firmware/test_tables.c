@@ -4,6 +4,7 @@
 
 #include "check.h"
 #include "core/settings.h"
+#include "modules/lookup.h"
 #include "modules/modules.h"
 
 #define EACH_MODULE(m) for (const struct module *const *m = firmware_modules; *m != NULL; m++)
@@ -116,7 +117,24 @@ TEST(no_two_rows_claim_one_letter_and_no_two_values_one_key)
     CHECK(count > 0 && count <= SETTINGS_MAX);
 }
 
+TEST(every_row_is_found_by_its_name)
+{
+    CHECK(command_init(firmware_modules));
+    EACH_MODULE(m)
+    {
+        EACH_COMMAND(m, row)
+        {
+            CHECK(command_find(row->name) == row);
+            CHECK(row->shortcut == NULL || command_find(row->shortcut) == row);
+        }
+        EACH_PARAMETER(m, row)
+        CHECK(row->letter == PARAMETER_AXES || row->letter != 'X' ||
+              lookup_parameter(row->command, 0) == row);
+    }
+}
+
 TEST_MAIN(RUN(every_name_and_shortcut_belongs_to_one_command); RUN(names_can_be_typed);
+          RUN(every_row_is_found_by_its_name);
           RUN(every_row_has_its_sentence);
           RUN(every_parameter_belongs_to_a_command_that_exists);
           RUN(every_initial_value_is_one_that_may_be_set);
