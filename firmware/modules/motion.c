@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "modules/motion.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #include "core/events.h"
@@ -178,6 +179,11 @@ void motion_start(const struct motion_move *moves, unsigned count)
         start_waiting(axes);
 }
 
+static double speed_counts_per_s(const struct axis_view *view)
+{
+    return fabs((double)view->setpoint.velocity_q48) / (0x1p48 * AXIS_TICK_US * 1e-6);
+}
+
 void motion_stop(unsigned axes)
 {
     unsigned moving = 0;
@@ -198,7 +204,9 @@ void motion_stop(unsigned axes)
         if ((m->stopping && view.planned) || (!view.planned && !view.commanded))
             continue;
         m->stopping = true;
-        m->move.speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis));
+        /* Faster than the fastest: the scale (CNTS, SCREW) has changed under way. */
+        m->move.speed_counts_per_s =
+            fmax(tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis)), speed_counts_per_s(&view));
         m->move.ramp_ms = TUNING_BRAKE_MS;
         moving |= MOTION_AXIS(axis);
     }

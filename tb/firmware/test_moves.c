@@ -245,6 +245,23 @@ TEST(halt_stops_within_its_braking_distance)
     CHECK_INT(motion_position_counts(0), end);
 }
 
+/* By the new scale it is ten thousand times faster than it can be. */
+TEST(halt_stops_as_soon_when_the_scale_has_changed_under_way)
+{
+    double stopped;
+
+    closed_loop_start(NULL);
+    SEND("S X=5");
+    SEND("M X=100000");
+    closed_loop_run(1000);
+    SEND("C X=1");
+    CHECK_TEXT(closed_loop_send("\\"), ":N-21\r\n");
+    closed_loop_run(150); /* 30 ms */
+    stopped = closed_loop_position(0);
+    closed_loop_run(1000);
+    CHECK_BETWEEN(closed_loop_position(0) - stopped, -2, 2);
+}
+
 TEST(a_new_move_replaces_the_old_one_at_once)
 {
     closed_loop_start(NULL);
@@ -280,5 +297,6 @@ TEST_MAIN(RUN(nine_millimetres_in_well_under_the_original_time);
           RUN(other_motors_and_frictions_arrive_as_well);
           RUN(a_motor_too_weak_for_its_speed_arrives_late_and_is_logged);
           RUN(halt_stops_within_its_braking_distance);
+          RUN(halt_stops_as_soon_when_the_scale_has_changed_under_way);
           RUN(a_new_move_replaces_the_old_one_at_once);
           RUN(a_push_beyond_the_drift_error_is_corrected))
