@@ -52,8 +52,9 @@ test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 test-twin: $(READY) ## The virtual controller: its ports, its model against the gateware, other people's host programs
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/twin tb/clients tb/soak
 
-test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, two equal bitstreams, the product's netlist, every proof
+test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, a million numbers on the target's objects, two equal bitstreams, the product's netlist, every proof
 	@FULL_LINES=1 $(PYTEST) --timeout 0 -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_transcripts.py
+	@$(MAKE) --no-print-directory test-numbers
 	@FULL_BUILD=1 $(PYTEST) --timeout 0 tb/gateware/test_product.py
 	@$(MAKE) --no-print-directory test-gates-soc
 	@$(PYTHON) -m tb.formal
@@ -69,6 +70,9 @@ test-gates: $(READY) ## Every test of a block on the netlist that goes to the FP
 
 fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
 	@$(PYTHON) -m tb.fuzz $(if $(RUNS),--runs $(RUNS)) $(ARGS)
+
+test-numbers: $(READY) ## A million numbers on the target's objects and on the host's: the same bytes
+	@$(PYTHON) -m tb.firmware.numbers
 
 soak: $(READY) ## A million commands without a pause into the virtual controller, each answered once and in order [COMMANDS= SPEED=20]
 	@$(PYTHON) -m tb.soak $(if $(COMMANDS),--commands $(COMMANDS)) $(if $(SPEED),--speed $(SPEED)) $(ARGS)
@@ -123,4 +127,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates fuzz soak formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal lint gen pins firmware gateware gateware-seeds flash program clean distclean

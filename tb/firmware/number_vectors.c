@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "number_vectors.h"
 
-#include <stddef.h>
 #include <string.h>
 
 #include "core/number.h"
@@ -86,31 +85,40 @@ void number_vector_text(uint64_t *state, char *text)
     text[length] = '\0';
 }
 
-static uint32_t fnv(uint32_t hash, const void *bytes, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        hash = (hash ^ ((const uint8_t *)bytes)[i]) * 16777619u;
-    return hash;
-}
-
-uint32_t number_digest(uint32_t count)
+void number_each(uint32_t count, void (*take)(const char *text, size_t length, double read))
 {
     uint64_t state = NUMBER_SEED;
-    uint32_t hash = 2166136261u;
 
     for (uint32_t i = 0; i < count; i++) {
         char text[NUMBER_TEXT_MAX], numeral[96];
         unsigned decimals;
         size_t used;
-        uint64_t bits = 0;
         double value = number_vector(&state, &decimals), read = 0;
         size_t length = number_format(text, value, decimals);
 
-        hash = fnv(hash, text, length);
         number_vector_text(&state, numeral);
         (void)number_parse(numeral, strlen(numeral), &read, &used);
-        memcpy(&bits, &read, sizeof bits);
-        hash = fnv(hash, &bits, sizeof bits);
+        take(text, length, read);
     }
+}
+
+static uint32_t hash;
+
+static void fnv(const void *bytes, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        hash = (hash ^ ((const uint8_t *)bytes)[i]) * 16777619u;
+}
+
+static void digest(const char *text, size_t length, double read)
+{
+    fnv(text, length);
+    fnv(&read, sizeof read);
+}
+
+uint32_t number_digest(uint32_t count)
+{
+    hash = 2166136261u;
+    number_each(count, digest);
     return hash;
 }

@@ -6,6 +6,7 @@
 #ifndef TB_FIRMWARE_NUMBER_VECTORS_H
 #define TB_FIRMWARE_NUMBER_VECTORS_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #define NUMBER_SEED UINT64_C(0x41626265)
@@ -18,6 +19,9 @@ double number_vector(uint64_t *state, unsigned *decimals);
 
 /** Next random numeral, at most 80 characters and a zero byte. */
 void number_vector_text(uint64_t *state, char *text);
+
+/** For `count` vectors: a formatted value, `length` characters, and what a numeral is read as. */
+void number_each(uint32_t count, void (*take)(const char *text, size_t length, double read));
 
 /** 32-bit FNV-1a over `count` formatted values and as many parsed numerals. */
 uint32_t number_digest(uint32_t count);

@@ -4,8 +4,11 @@
 import re
 import subprocess
 
+import pytest
+
 from tb import toolchain
 from tb.firmware.host import build
+from tb.firmware.numbers import compare
 from tb.sim import controller
 from tb.sim.simulator import S, Simulator
 
@@ -21,3 +24,14 @@ def test_numbers_come_out_alike_on_target_and_host(tmp_path):
     with Simulator(verilog=design, **images) as sim:
         sim.run_until_lines(1, timeout_ps=2 * S)
         assert sim.serial_read().decode().strip() == expected
+
+
+def test_the_comparison_of_a_million_numbers_finds_the_line_that_differs():
+    same = [b"1.0 3ff0000000000000\n", b"2 4000000000000000\n"]
+    assert compare(iter(same), iter(same))[:2] == (2, sum(map(len, same)))
+    with pytest.raises(AssertionError, match="line 2"):
+        compare(same, [same[0], b"2 4000000000000001\n"])
+    with pytest.raises(AssertionError, match="line 2.*nothing"):
+        compare(same, same[:1])
+    with pytest.raises(AssertionError, match="ends after 1"):
+        compare(same[:1], same)
