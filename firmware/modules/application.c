@@ -74,6 +74,14 @@ bool application_init(void)
     return true;
 }
 
+static void serve_port(void)
+{
+    if (save_positions_is_down())
+        (void)console_finish(&console);
+    else if (!reset_wanted)
+        console_poll(&console);
+}
+
 void application_poll(void)
 {
     turn_due = false;
@@ -81,15 +89,17 @@ void application_poll(void)
         lost_seen = serial_lost();
         log_error(FAULT_OVERTIME);
     }
-    if (save_positions_is_down())
-        (void)console_finish(&console);
-    else if (!reset_wanted)
-        console_poll(&console);
+    serve_port();
     fault_poll();
     events_poll();
-    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
-        if ((*module)->poll != NULL)
-            (*module)->poll();
+    for (const struct module *const *module = firmware_modules; *module != NULL; module++) {
+        if ((*module)->poll == NULL)
+            continue;
+        (*module)->poll();
+        /* A line that has come in meanwhile does not wait for all of them. */
+        if (ring_used(console.receive) > 0)
+            serve_port();
+    }
 
     /* The acknowledge leaves first. Lines behind it are carried out after the reset. */
     if (reset_wanted && console_finish(&console) && serial_is_quiet()) {

@@ -82,6 +82,18 @@ bool axis_commanded(unsigned axis)
     return *(volatile const bool *)&axis_states[axis].loop.commanded;
 }
 
+int32_t axis_position_counts(unsigned axis)
+{
+    return *(volatile const int32_t *)&axis_states[axis].loop.position_counts;
+}
+
+uint32_t axis_news(unsigned axis)
+{
+    const volatile struct axis_report *report = &axis_states[axis].report;
+
+    return report->arrivals + report->lags + report->stops;
+}
+
 void axis_read(unsigned axis, struct axis_view *view)
 {
     const struct axis *a = &axis_states[axis];

@@ -103,6 +103,12 @@ uint32_t axis_tick_cycles_max(void);
 /** A commanded motion of the axis has begun and has not ended. */
 bool axis_commanded(unsigned axis);
 
+/** Where an axis was at its last turn. */
+int32_t axis_position_counts(unsigned axis);
+
+/** Another number whenever something was added to the axis' report. */
+uint32_t axis_news(unsigned axis);
+
 /** The axis, all of it as of one tick. */
 void axis_read(unsigned axis, struct axis_view *view);
 

@@ -24,6 +24,7 @@ struct motion {
     unsigned leg;            /* of the way: before the last one vias, move.via_count is the last */
     bool waiting;            /* `move` is planned when the plan before it has begun */
     int32_t end_counts;      /* where the last plan ends */
+    uint32_t news_seen;
     uint32_t arrivals_seen;
     uint32_t stops_seen;
     uint32_t lags_seen;
@@ -118,8 +119,11 @@ static uint32_t plan(unsigned axis, uint64_t tick)
 static void launch(unsigned axes, unsigned lead_ticks)
 {
     uint32_t generations[AXIS_COUNT];
-    uint64_t tick = axis_ticks() + 1;
+    uint64_t tick;
 
+    if (axes == 0)
+        return;
+    tick = axis_ticks() + 1;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
             tick += lead_ticks;
@@ -148,15 +152,14 @@ static bool is_about_to_begin(unsigned axis)
 {
     struct axis_view view;
 
+    if (axis_handover(axis) != AXIS_HANDOVER_PENDING)
+        return false;
     axis_read(axis, &view);
-    return axis_handover(axis) == AXIS_HANDOVER_PENDING && view.mode != LOOP_FREE;
+    return view.mode != LOOP_FREE;
 }
 
 void motion_start(const struct motion_move *moves, unsigned count)
 {
-    unsigned axes = 0;
-    bool wait = false;
-
     for (unsigned i = 0; i < count; i++) {
         struct motion *m = &motions[moves[i].axis];
 
@@ -168,15 +171,8 @@ void motion_start(const struct motion_move *moves, unsigned count)
             m->move.via_counts[n] = limits_nearest(moves[i].axis, m->move.via_counts[n]);
         m->leg = 0;
         m->end_counts = m->move.target_counts;
-        axes |= MOTION_AXIS(moves[i].axis);
-        wait |= is_about_to_begin(moves[i].axis);
+        m->waiting = true;
     }
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((axes & MOTION_AXIS(axis)) != 0)
-            motions[axis].waiting = true;
-    /* Moves that follow each other closely would put off each other's plans for ever. */
-    if (!wait)
-        start_waiting(axes);
 }
 
 static double speed_counts_per_s(const struct axis_view *view)
@@ -283,10 +279,7 @@ bool motion_in_position(unsigned axis)
 
 int32_t motion_position_counts(unsigned axis)
 {
-    struct axis_view view;
-
-    axis_read(axis, &view);
-    return view.position_counts;
+    return axis_position_counts(axis);
 }
 
 int32_t motion_target_counts(unsigned axis)
@@ -341,8 +334,13 @@ static uint16_t code(unsigned axis, const struct axis_report *report)
 static void report(unsigned axis)
 {
     struct motion *m = &motions[axis];
+    uint32_t news = axis_news(axis);
     struct axis_view view;
 
+    if (news == m->news_seen && !m->waiting && !is_under_way(m) &&
+        axis_handover(axis) == AXIS_HANDOVER_NONE)
+        return;
+    m->news_seen = news;
     axis_read(axis, &view);
     if (view.off && (m->waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)) {
         m->waiting = false;

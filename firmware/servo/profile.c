@@ -3,9 +3,6 @@
 
 #include <math.h>
 
-static const double ONE_Q32 = 4294967296.0;
-static const double ONE_Q48 = 281474976710656.0;
-
 /* A plan in the making: a continuous motion, in ticks and counts, relative to the plan's start and
  * mirrored by `side`. */
 struct sketch {
@@ -15,16 +12,29 @@ struct sketch {
     double ticks, position, velocity; /* where the last stretch ended */
 };
 
+/* Mostly there is no jerk, and often no acceleration; a multiplication is 200 instructions. */
 static double way(double velocity, double acceleration, double jerk, double t)
 {
-    return t * (velocity + t * (acceleration / 2.0 + t * (jerk / 6.0)));
+    double half = acceleration / 2.0;
+
+    if (jerk != 0.0)
+        half += t * (jerk / 6.0);
+    return t * (half != 0.0 ? velocity + t * half : velocity);
 }
 
 static void advance(struct sketch *s, double acceleration, double jerk, double duration)
 {
-    s->ticks += duration;
     s->position += way(s->velocity, acceleration, jerk, duration);
-    s->velocity += duration * (acceleration + duration * (jerk / 2.0));
+    if (jerk != 0.0)
+        acceleration += duration * (jerk / 2.0);
+    if (acceleration != 0.0)
+        s->velocity += duration * acceleration;
+}
+
+/* A value along the motion with some fraction bits, in the direction of the counts. */
+static int64_t fixed(const struct sketch *s, double value, int bits)
+{
+    return llround(ldexp(s->side < 0.0 ? -value : value, bits));
 }
 
 /* Add a stretch of motion, and sample it as a segment if at least one tick falls into it. */
@@ -35,20 +45,22 @@ static void stretch(struct sketch *s, double acceleration, double jerk, double d
     double first = ceil(s->ticks), after, late = first - s->ticks;
 
     advance(s, acceleration, jerk, duration);
+    s->ticks += duration;
     after = ceil(s->ticks);
     if (after <= first)
         return;
     advance(&at, acceleration, jerk, late);
-    acceleration += jerk * late;
+    if (jerk != 0.0)
+        acceleration += jerk * late;
     seg = &s->plan->segment[s->plan->segment_count++];
     seg->ticks = (uint64_t)(after - first);
-    seg->position_q32 = s->origin_q32 + llround(s->side * at.position * ONE_Q32);
-    seg->step_q48 = llround(s->side * way(at.velocity, acceleration, jerk, 1.0) * ONE_Q48);
-    seg->change_q48 = llround(s->side * (acceleration + jerk) * ONE_Q48);
-    seg->jerk_q48 = llround(s->side * jerk * ONE_Q48);
+    seg->position_q32 = s->origin_q32 + fixed(s, at.position, 32);
+    seg->step_q48 = fixed(s, at.velocity + (acceleration / 2.0 + jerk / 6.0), 48);
+    seg->change_q48 = fixed(s, acceleration + jerk, 48);
+    seg->jerk_q48 = fixed(s, jerk, 48);
     /* A cruise is exact: the interrupt adds the upper 32 fraction bits of a step. */
     if (acceleration == 0.0 && jerk == 0.0)
-        seg->step_q48 = llround(s->side * at.velocity * ONE_Q32) * 65536;
+        seg->step_q48 = fixed(s, at.velocity, 32) * 65536;
 }
 
 /* Time of a change of speed, and its way: half of it at either speed, whatever the jerk. */
@@ -97,8 +109,8 @@ static double peak(const struct profile_bounds *b, double u, double distance)
 void profile_plan_move(struct profile_plan *plan, const struct profile_point *start,
                        int64_t target_q32, const struct profile_bounds *bounds)
 {
-    double u = (double)start->velocity_q48 / ONE_Q48;
-    double distance = (double)(target_q32 - start->position_q32) / ONE_Q32;
+    double u = ldexp((double)start->velocity_q48, -48);
+    double distance = ldexp((double)(target_q32 - start->position_q32), -32);
     double stop = change_way(bounds, u, 0.0), cruise_way, p;
     struct sketch s = {.plan = plan, .origin_q32 = start->position_q32};
 
@@ -124,8 +136,8 @@ void profile_plan_move(struct profile_plan *plan, const struct profile_point *st
 
 int64_t profile_stop_q32(const struct profile_point *start, const struct profile_bounds *bounds)
 {
-    double u = (double)start->velocity_q48 / ONE_Q48;
-    double counts = (double)start->position_q32 / ONE_Q32 + change_way(bounds, u, 0.0);
+    double u = ldexp((double)start->velocity_q48, -48);
+    double counts = ldexp((double)start->position_q32, -32) + change_way(bounds, u, 0.0);
 
     if (u > 0.0)
         counts = ceil(counts);
@@ -148,7 +160,8 @@ uint64_t profile_ticks(const struct profile_plan *plan)
 /* Velocity at the tick that differences belong to: they are taken forward. */
 static int64_t velocity_q48(int64_t step_q48, int64_t change_q48, int64_t jerk_q48)
 {
-    return step_q48 - change_q48 / 2 + jerk_q48 / 3;
+    /* A division of 64 bits is a long one. */
+    return step_q48 - change_q48 / 2 + (jerk_q48 != 0 ? jerk_q48 / 3 : 0);
 }
 
 static struct profile_point point_in(const struct profile_segment *seg, uint64_t ticks)
