@@ -131,12 +131,10 @@ bool axis_sample(unsigned axis, struct axis_sample *sample)
 {
     const struct axis *a = &axis_states[axis];
 
-    if (a->profile.plan == NULL && !a->loop.commanded)
-        return false;
     sample->target_counts = (int32_t)(a->profile.position_q32 >> 32);
     sample->position_counts = a->loop.position_counts;
     sample->duty_steps = a->loop.duty_steps;
-    return true;
+    return a->profile.plan != NULL || a->loop.commanded;
 }
 
 struct profile_point axis_predict(unsigned axis, uint64_t tick, uint32_t *generation)

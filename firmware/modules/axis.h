@@ -119,7 +119,7 @@ struct axis_sample {
     int32_t duty_steps;
 };
 
-/** For hooks of EVENT_SERVO_TURN: its last turn's sample. False: no motion of the axis in progress. */
+/** For hooks of EVENT_SERVO_TURN: its last turn's sample. False: no planned motion in progress. */
 bool axis_sample(unsigned axis, struct axis_sample *sample);
 
 /** Give an axis new loop settings; they are copied, and taken as a whole at a tick. */

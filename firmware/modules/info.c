@@ -54,14 +54,6 @@ static double ramp_s(const struct page *page)
     return tuning_ramp_ms(page->axis) / 1e3;
 }
 
-/* What a step of drive is worth to the velocity feed-forward: KV / 16 steps per count/ms. */
-static double mm_per_s_per_step(const struct page *page)
-{
-    const double kv = lookup_value("KV", page->axis, 0);
-
-    return kv > 0 ? 16 / kv * 1e3 / coordinates_counts_per_mm(page->axis) : 0;
-}
-
 /* Counts that settings in mm come to are cut off, as the original does. */
 static double whole_counts(const struct page *page, const char *command)
 {
@@ -269,7 +261,7 @@ static const struct field fields[] = {
     {.label = "Av Settle Tim", .number = settle_mean_ms, .unit = "ms"},
     {.label = "Home position", .command = "SETHOME", .absent = 1000, .decimals = 2, .unit = "mm"},
     {.label = "Motor Signal", .number = duty_steps},
-    {.label = "mm/sec/DAC_ct", .number = mm_per_s_per_step, .decimals = 5},
+    {.label = "mm/sec/DAC_ct", .command = "DACK", .decimals = 5},
     {.label = "Enc Cnts/mm", .command = "CNTS", .decimals = 2, .number = counts_per_mm},
     {.label = "Wait Time", .command = "WAIT"},
     {.label = "Maintain code", .command = "MAINTAIN"},

@@ -27,6 +27,7 @@
 #include "modules/spin.h"
 #include "modules/status.h"
 #include "modules/ttl.h"
+#include "modules/tuner.h"
 #include "modules/tuning.h"
 #include "modules/vector.h"
 #include "modules/verbose.h"
@@ -45,6 +46,7 @@ const struct module *const firmware_modules[] = {
     &home_module,
     &vector_module,
     &spin_module,
+    &tuner_module,
     &status_module,
     &ttl_module,
     &ring_buffer_module,

@@ -8,6 +8,8 @@
 #include "modules/coordinates.h"
 #include "modules/screw.h"
 
+#define GAIN_MAX 32767
+
 static double speed_mm_per_s[AXIS_COUNT];
 static double ramp_ms[AXIS_COUNT];
 static double finish_mm[AXIS_COUNT];
@@ -17,10 +19,11 @@ static double jerk_ms[AXIS_COUNT];
 static double maintain[AXIS_COUNT];
 static double runaway_mm[AXIS_COUNT];
 static double kp[AXIS_COUNT], ki[AXIS_COUNT], kd[AXIS_COUNT], kv[AXIS_COUNT], ka[AXIS_COUNT];
+static double friction[AXIS_COUNT];
+static double strength[AXIS_COUNT];
 
 /* Not for users: they follow from the motor and the drive (docs/decisions.md). */
 static const struct pid_gains fixed_gains = {
-    .friction_steps = 250,
     .approach_per_s = 300,
     .knee_counts_per_s = 150,
     .derivative_filter_us = 300,
@@ -30,6 +33,12 @@ static const struct pid_gains fixed_gains = {
 /* From a drive to its torque: the winding's time constant, and half of the tick and the PWM period
  * between them. */
 #define LAG_US 600.0
+
+/* AALIGN at which KP, KI and KD count in full; one less is a hundredth less. */
+#define STRENGTH_FULL 85
+
+/* Drive is shown in counts of a converter the original had: 128 are full drive. */
+#define STEPS_PER_DAC_COUNT (PWM_FULL_STEPS / 128.0)
 
 double tuning_speed_mm_per_s(unsigned axis)
 {
@@ -100,9 +109,15 @@ static uint32_t turns(double time_ms)
     return count < 1.0 ? 1 : (uint32_t)count;
 }
 
+/* A gain with the strength that AALIGN gives it. */
+static int32_t strong(unsigned axis, int32_t gain)
+{
+    return (int32_t)lround(gain * (1 + (strength[axis] - STRENGTH_FULL) / 100));
+}
+
 void tuning_apply(unsigned axis)
 {
-    struct pid_gains gains = fixed_gains;
+    struct pid_gains gains;
     struct loop_config config = {
         .lag_q31 = (int32_t)(2147483648.0 * AXIS_TICK_US / (AXIS_TICK_US + LAG_US)),
         .finish_counts = tuning_finish_counts(axis),
@@ -127,19 +142,67 @@ void tuning_apply(unsigned axis)
     /* A drift error below the finish error would have the axis corrected for ever. */
     if (config.drift_counts < config.finish_counts)
         config.drift_counts = config.finish_counts;
+    gains = tuning_gains(axis);
+    gains.kp = strong(axis, gains.kp);
+    gains.ki = strong(axis, gains.ki);
+    gains.kd = strong(axis, gains.kd);
+    pid_configure(&config.pid, &gains, AXIS_TICK_US);
+    axis_configure(axis, &config);
+}
+
+struct pid_gains tuning_gains(unsigned axis)
+{
+    struct pid_gains gains = fixed_gains;
+
     gains.kp = (int32_t)kp[axis];
     gains.ki = (int32_t)ki[axis];
     gains.kd = (int32_t)kd[axis];
     gains.kv = (int32_t)kv[axis];
     gains.ka = (int32_t)ka[axis];
-    pid_configure(&config.pid, &gains, AXIS_TICK_US);
-    axis_configure(axis, &config);
+    gains.friction_steps = (int32_t)friction[axis];
+    return gains;
+}
+
+void tuning_set_gains(unsigned axis, const struct pid_gains *gains)
+{
+    kp[axis] = gains->kp;
+    ki[axis] = gains->ki;
+    kd[axis] = gains->kd;
+    kv[axis] = gains->kv;
+    ka[axis] = gains->ka;
+    friction[axis] = gains->friction_steps;
+    tuning_apply(axis);
 }
 
 static void changed(unsigned axis, double value)
 {
     (void)value;
     tuning_apply(axis);
+}
+
+/* DACK is KV, told as a speed. */
+static double velocity_gain(unsigned axis, double mm_per_s_per_count)
+{
+    return 16 * STEPS_PER_DAC_COUNT * 1000 /
+           (mm_per_s_per_count * coordinates_counts_per_mm(axis));
+}
+
+static enum status check_dack(unsigned axis, double mm_per_s_per_count)
+{
+    double gain = round(velocity_gain(axis, mm_per_s_per_count));
+
+    return gain >= 1 && gain <= GAIN_MAX ? STATUS_OK : STATUS_RANGE;
+}
+
+static void set_dack(unsigned axis, double mm_per_s_per_count)
+{
+    kv[axis] = round(velocity_gain(axis, mm_per_s_per_count));
+    tuning_apply(axis);
+}
+
+double tuning_mm_per_s_per_dac_count(unsigned axis)
+{
+    return kv[axis] > 0 ? velocity_gain(axis, 1) / kv[axis] : 0;
 }
 
 static enum status not_reserved(unsigned axis, double value)
@@ -149,7 +212,7 @@ static enum status not_reserved(unsigned axis, double value)
 }
 
 #define PER_AXIS .letter = PARAMETER_AXES, .saved = SAVED_BY_SS
-#define GAIN .type = PARAMETER_INTEGER, .minimum = 0, .maximum = 32767, .set = changed
+#define GAIN .type = PARAMETER_INTEGER, .minimum = 0, .maximum = GAIN_MAX, .set = changed
 
 static const struct parameter parameters[] = {
     {
@@ -217,6 +280,25 @@ static const struct parameter parameters[] = {
         .command = "KADC", PER_AXIS, GAIN, .unit = "1/2 step per count/ms^2",
         .summary = "Acceleration feed-forward.", .initial = 93, .value = ka,
     },
+    {
+        .command = "KF", PER_AXIS, GAIN, .unit = "steps",
+        .summary = "Friction feed-forward: drive that just keeps the axis moving.", .initial = 250,
+        .value = friction,
+    },
+    {
+        .command = "DACK", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 5,
+        .unit = "mm/s", .summary = "Speed of the motor for a 128th of full drive; another way to "
+                                   "write KV, and as coarse.",
+        .minimum = 1e-9, .maximum = 1000, .initial = 0, .saved = SAVED_NEVER, .check = check_dack,
+        .set = set_dack, .get = tuning_mm_per_s_per_dac_count,
+    },
+    {
+        .command = "AALIGN", .letter = PARAMETER_AXES, .type = PARAMETER_INTEGER, .unit = "%",
+        .summary = "Strength of the drive against errors: KP, KI and KD count in full at 85, and a "
+                   "hundredth less for each one less.",
+        .minimum = 0, .maximum = 99, .initial = STRENGTH_FULL, .saved = SAVED_AT_ONCE,
+        .value = strength, .set = changed,
+    },
     {0},
 };
 
@@ -235,6 +317,9 @@ static const struct command commands[] = {
     {.name = "KD", .summary = "Derivative gain.", .form = FORM_P},
     {.name = "KV", .summary = "Velocity feed-forward.", .form = FORM_P},
     {.name = "KADC", .shortcut = "KA", .summary = "Acceleration feed-forward.", .form = FORM_P},
+    {.name = "KF", .summary = "Friction feed-forward.", .form = FORM_P},
+    {.name = "DACK", .shortcut = "D", .summary = "Speed of the motor.", .form = FORM_S},
+    {.name = "AALIGN", .shortcut = "AA", .summary = "Strength of the drive.", .form = FORM_P},
     {0},
 };
 

@@ -7,6 +7,7 @@
 #define MODULES_TUNING_H
 
 #include "core/module.h"
+#include "servo/pid.h"
 
 /** SPEED by default, of the axis' fastest. */
 #define TUNING_SPEED_SHARE 0.67
@@ -36,6 +37,13 @@ double tuning_jerk_ticks(unsigned axis);
 
 /** Give the loop of an axis its settings anew: after a change of what they are made from. */
 void tuning_apply(unsigned axis);
+
+/** The gains of an axis as KP, KI, KD, KV, KADC and KF have them, without AALIGN's strength. */
+struct pid_gains tuning_gains(unsigned axis);
+void tuning_set_gains(unsigned axis, const struct pid_gains *gains);
+
+/** DACK: speed of the motor for a 128th of full drive, by KV. */
+double tuning_mm_per_s_per_dac_count(unsigned axis);
 
 /** Finish and drift error in counts, cut off as INFO shows them. */
 int32_t tuning_finish_counts(unsigned axis);

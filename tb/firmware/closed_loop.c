@@ -121,7 +121,7 @@ void closed_loop_start(const struct closed_loop_change *changes)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
     limits_open();
-    (void)settings_factory_next();
+    settings_ram_clear();
     port_start(firmware_modules);
     closed_loop_run(2 * AXIS_REST_TURNS * AXIS_TURN_US / CLOSED_LOOP_TICK_US);
 }
@@ -135,6 +135,21 @@ const char *closed_loop_send(const char *line)
 {
     closed_loop_tick();
     return port_send(line);
+}
+
+const char *closed_loop_ask(const char *line, int limit)
+{
+    static char reply[200];
+    size_t length = 0;
+
+    port_queue(line);
+    port_queue("\r");
+    reply[0] = '\0';
+    while (limit-- > 0 && strchr(reply, '\n') == NULL) {
+        closed_loop_tick();
+        length += (size_t)snprintf(reply + length, sizeof reply - length, "%s", port_take(0));
+    }
+    return reply;
 }
 
 int closed_loop_wait(int limit)

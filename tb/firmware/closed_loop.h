@@ -15,7 +15,7 @@
 
 /**
  * Power up on a board whose parameters differ from plant.toml as these say: "x.running_friction"
- * and a factor, ended by NULL. Runs until the axes are regulated.
+ * and a factor, ended by NULL. Nothing is kept from before. Runs until the axes are regulated.
  */
 struct closed_loop_change {
     const char *name;
@@ -33,6 +33,9 @@ void closed_loop_run(unsigned ticks);
 
 /** Send a line, CR added; its reply. Takes one tick. */
 const char *closed_loop_send(const char *line);
+
+/** The same for a line whose reply takes time: run until it is complete, at most `limit` ticks. */
+const char *closed_loop_ask(const char *line, int limit);
 
 /** Run until STATUS would say N; ticks it took, or -1: not within `limit` ticks. */
 int closed_loop_wait(int limit);

@@ -25,3 +25,13 @@ def sentences():
 def test_firmware(stem, sentence):
     run = subprocess.run([build(f"host/{stem}"), sentence], capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stdout + run.stderr
+
+
+# Those that keep state of the firmware, of which nothing may reach the next test.
+STATEFUL = [source.stem for source in sorted(HERE.glob("test_*.c")) if "_start(" in source.read_text()]
+
+
+@pytest.mark.parametrize("stem", STATEFUL)
+def test_one_process_for_all_of_a_file(stem):
+    run = subprocess.run([build(f"host/{stem}")], capture_output=True, text=True, timeout=600)
+    assert run.returncode == 0, run.stdout + run.stderr

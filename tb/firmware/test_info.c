@@ -59,7 +59,7 @@ static const char *page_at_rest(char letter, int id)
              "enc pos error:         0         EEsum        :         0\r"
              "Lst Stle Time:         0      ms Av Settle Tim:         0 ms\r"
              "Home position:   1000.00 [HM] mm Motor Signal :         0\r"
-             "mm/sec/DAC_ct:   0.00333         Enc Cnts/mm  :  45396.00 [C]\r"
+             "mm/sec/DAC_ct:   0.06494 [D]     Enc Cnts/mm  :  45396.00 [C]\r"
              "Wait Time    :         0 [WT]    Maintain code:         0 [MA]",
              letter, letter, device, id);
     return text;
@@ -134,7 +134,7 @@ TEST(columns_hold_and_every_command_named_answers)
         }
         line = end + 1;
     }
-    CHECK_INT(commands, 19);
+    CHECK_INT(commands, 20);
 }
 
 TEST(page_is_true_in_motion)
