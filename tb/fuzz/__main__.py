@@ -17,7 +17,7 @@ from tb.fuzz import corpus
 from tb.fuzz.dictionary import dictionary, seeds
 
 BUILD = toolchain.BUILD / "fuzz"
-LENGTH_MAX = 256        # bytes of an input: several lines
+LENGTH_MAX = 160        # bytes of an input: several lines, or one too long
 
 
 def make(target):

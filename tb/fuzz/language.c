@@ -3,8 +3,9 @@
  * Fuzz target: bytes from the serial line through line, parser, rows and replies of the whole
  * firmware, and the binary format, while axes move. Linked with libFuzzer, or with replay.c.
  *
- * Each input starts from power-up; in it, the byte PAUSE lets 2 ms pass. Claims, beside what the sanitizers see: the console never gets
- * stuck, and afterwards a good line gets its one right answer.
+ * Each input starts from power-up; in it, the byte PAUSE lets 2 ms pass. Claims, beside what the
+ * sanitizers see: the console never gets stuck, HALT ends what lasts, and afterwards a good line
+ * gets its one right answer.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +24,8 @@ enum {
     PAUSE = 0x16,
     PAUSE_TURNS = 40,
     TURNS_PER_TICK = 4,
-    TURNS_MAX = 20000, /* enough for the longest queue of the longest replies */
+    TURNS_MAX = 20000, /* a second: enough for the longest queue of the longest replies */
+    HALTS_MAX = 64,    /* commands of an input that last */
     INPUT_MAX = 4096,
     OUTPUT = 1024,
 };
@@ -52,12 +54,33 @@ static void turn(void)
         machine_run(1);
 }
 
-static void settle(void)
+static void put(const char *text)
+{
+    while (*text != '\0')
+        ring_put(&receive, (uint8_t)*text++);
+}
+
+static bool comes_to_rest(void)
 {
     for (unsigned n = 0; n < TURNS_MAX; n++) {
         turn();
         if (console_idle(&console) && ring_used(&receive) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Ends what is half typed or half a frame, and is itself no more than an empty line. */
+static const char line_end[] = "\r\r\r\r\r\r\r\r\377A\r";
+
+static void settle(void)
+{
+    /* AZERO takes seconds, and more of them may wait. */
+    for (unsigned halts = 0; halts < HALTS_MAX; halts++) {
+        if (comes_to_rest())
             return;
+        put(line_end);
+        put("\\");
     }
     fprintf(stderr, "the console does not come to rest\n");
     abort();
@@ -65,15 +88,12 @@ static void settle(void)
 
 static void expect(const char *line, const char *reply)
 {
-    /* Ends what is half typed or half a frame, and is itself no more than an empty line. */
-    for (const char *at = "\r\r\r\r\r\r\r\r\377A\r"; *at != '\0'; at++)
-        ring_put(&receive, (uint8_t)*at);
+    put(line_end);
     settle();
     /* Of a line of the input that had no CR, or that said something by itself. */
     report_clear();
     output_length = 0;
-    for (const char *at = line; *at != '\0'; at++)
-        ring_put(&receive, (uint8_t)*at);
+    put(line);
     settle();
     output[output_length] = '\0';
     if (strstr(output, reply) == NULL) {

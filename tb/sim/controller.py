@@ -80,6 +80,7 @@ def write_verilog(say):
         from soc import verilog
         stamp.unlink(missing_ok=True)
         verilog.write(result.parent)
+        stamp.parent.mkdir(parents=True, exist_ok=True)
         stamp.write_text(key)
     return result
 
