@@ -56,9 +56,11 @@ def test_halt_stops_a_move_which_it_takes_for_an_error(controller):
     controller.halt()                   # nothing moves: acknowledged
 
 
-def test_speed_is_read_back(controller):
+def test_settings_are_read_back(controller):
     controller.speed({"X": 2.5})
     assert controller.speed({"X": "?", "Y": "?"}) == {"X": "2.500000", "Y": "4.556000"}
+    controller.set_home({"X": -1.25, "Y": 3})
+    assert controller.send_command("HM X? Y?") == ":A X=-1.250 Y=3.000"
 
 
 def test_axes_are_disabled_and_enabled(controller):
@@ -79,8 +81,7 @@ def test_what_is_not_there_is_an_error(controller):
     assert controller.status() is Status.IDLE
 
 
-def test_home_is_reached(controller, needs):
-    needs("HM X?")
+def test_home_is_reached(controller):
     controller.set_home({"X": 0.5})
     controller.home(["X"])
     controller.wait_until_idle()

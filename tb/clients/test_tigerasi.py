@@ -64,6 +64,16 @@ def test_limits_hold_a_move_and_go_back_to_their_default(box):
     assert box.get_upper_travel_limit("x")["X"] == default
 
 
+def test_the_lower_limit_as_well(box):
+    default = box.get_lower_travel_limit("y")["Y"]
+    box.set_lower_travel_limit(y=-0.25)
+    box.move_absolute(y=-20000)
+    settle(box)
+    assert box.get_position("y")["Y"] == pytest.approx(-2500, abs=1)
+    box.reset_lower_travel_limits("y")
+    assert box.get_lower_travel_limit("y")["Y"] == default
+
+
 def test_settings_are_read_back(box):
     box.set_speed(x=2.5, y=1.25)
     assert box.get_speed("x", "y") == {"X": 2.5, "Y": 1.25}
@@ -90,8 +100,7 @@ def test_the_joystick_is_let_go_and_taken_back(box):
     assert box.get_joystick_axis_mapping("x", "y") == before
 
 
-def test_home_is_set_and_reached(box, needs):
-    needs("HM X?")
+def test_home_is_set_and_reached(box):
     box.set_home(x=1.0)
     assert box.get_home("x") == {"X": pytest.approx(1.0, abs=1e-3)}
     box.home("x")
@@ -99,7 +108,6 @@ def test_home_is_set_and_reached(box, needs):
     assert box.get_position("x")["X"] == pytest.approx(10000, abs=COUNT)
 
 
-def test_backlash_is_read_back(box, needs):
-    needs("B X?")
+def test_backlash_is_read_back(box):
     box.set_axis_backlash(x=0.02)
     assert box.get_axis_backlash("x") == {"X": pytest.approx(0.02)}
