@@ -24,6 +24,7 @@ enum fault {
     FAULT_LIMIT_LOWER = 35,
     FAULT_INTO_LIMIT_UPPER = 36,
     FAULT_INTO_LIMIT_LOWER = 37,
+    FAULT_INTO = FAULT_INTO_LIMIT_UPPER - FAULT_LIMIT_UPPER,
     FAULT_FINISH_SPEED_CLAMP = 44,
     FAULT_TASK_OVERTIME = 48,         /* an event queue or the servo tick overran */
     FAULT_ENCODER_OVERFLOW = 50,      /* + axis: error term too large; axis stopped */

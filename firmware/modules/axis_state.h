@@ -39,7 +39,7 @@ struct axis {
     bool off; /* must not or cannot be driven */
     bool fault;
     bool limit_lower, limit_upper;
-    bool limit_at_start;
+    bool lower_at_start, upper_at_start; /* closed when the motion began */
     uint64_t begin_tick; /* of the plan in progress */
     struct axis_report report;
 } __attribute__((aligned(32)));

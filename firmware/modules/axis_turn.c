@@ -18,7 +18,14 @@ static void stop(struct axis *a, enum axis_stop why)
     release(a, LOOP_NO_FAULT);
     a->report.stops++;
     a->report.last_stop = why;
-    a->report.stop_at_start = a->limit_at_start;
+    a->report.stop_at_start = why == AXIS_STOP_LIMIT_UPPER ? a->upper_at_start
+                                                          : a->lower_at_start;
+}
+
+static void note_switches(struct axis *a)
+{
+    a->lower_at_start = a->limit_lower;
+    a->upper_at_start = a->limit_upper;
 }
 
 bool axis_begin(struct axis *a)
@@ -35,7 +42,7 @@ bool axis_begin(struct axis *a)
     loop_track(a->config, &a->loop, h->commanded);
     a->generation++;
     a->begin_tick = axis_ticks();
-    a->limit_at_start = a->limit_lower || a->limit_upper;
+    note_switches(a);
     h->state = AXIS_HANDOVER_NONE;
     return true;
 }
@@ -47,7 +54,7 @@ static void spin(struct axis *a)
         return;
     if (a->spin_steps != 0) {
         a->generation++;
-        a->limit_at_start = a->limit_lower || a->limit_upper;
+        note_switches(a);
         loop_spin(&a->loop, a->spin_steps);
     } else if (a->loop.mode == LOOP_SPIN) {
         release(a, LOOP_NO_FAULT);

@@ -230,7 +230,7 @@ static const struct field fields[] = {
     {.label = "Run Speed", .command = "SPEED", .decimals = 5, .unit = "mm/s"},
     {.label = "vmax_enc*64", .number = vmax_enc_64},
     {.label = "Servo Lp Time", .number = loop_ms, .decimals = 2, .unit = "ms"},
-    {.label = "Enc Polarity", .command = "EPOLARITY", .absent = 1},
+    {.label = "Enc Polarity", .command = "EPOLARITY"},
     {.label = "dv_enc", .number = dv_enc},
     {.label = "LL Axis ID", .number = low_level_id},
     {.label = "Drift Error", .command = "ERROR", .decimals = 6, .unit = "mm"},

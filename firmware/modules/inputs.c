@@ -68,6 +68,8 @@ static enum status rdadc(const struct request *request, struct reply *reply)
 enum { DIP_RATE = 3, DIP_Y_REVERSED = 4, DIP_X_REVERSED = 8, DIP_ALL = 15 };
 enum { AXIS_X, AXIS_Y };
 
+static double stop_bits; /* rtl/serial.py sends one */
+
 /* What is used instead of the switches, or -1; before the settings are loaded, too. */
 static double dip_setting = -1;
 
@@ -116,6 +118,8 @@ static const struct command commands[] = {
     {.name = "RDADC", .shortcut = "RA", .summary = "Analog inputs, 0 to 255.", .run = rdadc,
      .accepts = ARGUMENT_BARE | ARGUMENT_QUERY, .letters = "XYZF",
      .flags = COMMAND_NEEDS_ARGUMENT},
+    {.name = "STOPBITS", .shortcut = "SB", .form = FORM_P,
+     .summary = "Stop bits of the serial port; it takes two as well as one."},
     {.name = "DIP", .form = FORM_P, .summary = "DIP switches, and what is used instead of them."},
     {0},
 };
@@ -134,6 +138,11 @@ static const struct parameter parameters[] = {
         .summary = "Used instead of the switches, as X; -1: they are used. 4 reverses Y, 8 "
                    "reverses X; 1 and 2 set the rate of the serial port from the next start on: "
                    "none 115200, 1 28800, 2 19200, both 9600.",
+    },
+    {
+        .command = "STOPBITS", .letter = 'X', .type = PARAMETER_INTEGER,
+        .summary = "Stop bits sent: 1.", .minimum = 1, .maximum = 1, .initial = 1,
+        .value = &stop_bits, .saved = SAVED_NEVER,
     },
     {0},
 };

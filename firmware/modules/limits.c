@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "core/axis.h"
-#include "core/fault.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
 
@@ -24,14 +23,19 @@ void limits_open(void)
     }
 }
 
+enum fault limits_fault(unsigned axis, bool high)
+{
+    return high != coordinates_mirrored(axis) ? FAULT_LIMIT_UPPER : FAULT_LIMIT_LOWER;
+}
+
 int32_t limits_clip(unsigned axis, int32_t counts)
 {
     if (counts > high_counts[axis]) {
-        log_error(FAULT_LIMIT_UPPER);
+        log_error((uint16_t)limits_fault(axis, true));
         return high_counts[axis];
     }
     if (counts < low_counts[axis]) {
-        log_error(FAULT_LIMIT_LOWER);
+        log_error((uint16_t)limits_fault(axis, false));
         return low_counts[axis];
     }
     return counts;

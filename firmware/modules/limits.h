@@ -12,12 +12,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/fault.h"
 #include "core/module.h"
 
 extern const struct module limits_module;
 
 /** No limits; start-up and RESET, before the settings are loaded. */
 void limits_open(void);
+
+/** The code of a limit at the high or the low end of the counts: the user's upper or lower one. */
+enum fault limits_fault(unsigned axis, bool high);
 
 /** The count itself, or the nearest one within the limits. Logs 34 or 35 when it was outside. */
 int32_t limits_clip(unsigned axis, int32_t counts);

@@ -9,6 +9,7 @@
 #include "modules/coordinates.h"
 #include "modules/display.h"
 #include "modules/dump.h"
+#include "modules/encoders.h"
 #include "modules/home.h"
 #include "modules/identity.h"
 #include "modules/info.h"
@@ -41,6 +42,7 @@ const struct module *const firmware_modules[] = {
     &limits_module,
     &tuning_module,
     &motion_module,
+    &encoders_module,
     &approach_module,
     &move_module,
     &home_module,

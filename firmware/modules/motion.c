@@ -313,11 +313,13 @@ static enum motion_end why(enum axis_stop stop)
 
 static uint16_t code(unsigned axis, const struct axis_report *report)
 {
+    enum fault limit;
+
     switch (report->last_stop) {
     case AXIS_STOP_LIMIT_LOWER:
-        return report->stop_at_start ? FAULT_INTO_LIMIT_LOWER : FAULT_LIMIT_LOWER;
     case AXIS_STOP_LIMIT_UPPER:
-        return report->stop_at_start ? FAULT_INTO_LIMIT_UPPER : FAULT_LIMIT_UPPER;
+        limit = limits_fault(axis, report->last_stop == AXIS_STOP_LIMIT_UPPER);
+        return (uint16_t)(limit + (report->stop_at_start ? FAULT_INTO : 0));
     case AXIS_STOP_NOT_SETTLED:
         return (uint16_t)(FAULT_ADJUST_MOVE + axis);
     case AXIS_STOP_DEAD:

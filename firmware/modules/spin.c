@@ -83,7 +83,7 @@ static void poll(void)
             continue;
         at = motion_position_counts(axis);
         if (direction[axis] > 0 ? limits_at_upper(axis, at) : limits_at_lower(axis, at)) {
-            log_error(direction[axis] > 0 ? FAULT_LIMIT_UPPER : FAULT_LIMIT_LOWER);
+            log_error((uint16_t)limits_fault(axis, direction[axis] > 0));
             stop(axis, MOTION_LIMIT);
         }
     }

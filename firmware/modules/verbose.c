@@ -94,6 +94,8 @@ static const struct command commands[] = {
     {0},
 };
 
+static double syntax;
+
 static const struct parameter parameters[] = {
     {
         .command = "VB", .letter = 'X', .type = PARAMETER_INTEGER, .unit = "bits",
@@ -112,6 +114,11 @@ static const struct parameter parameters[] = {
         .command = "VB", .letter = 'Z', .type = PARAMETER_INTEGER, .unit = "digits",
         .minimum = 0, .maximum = 9, .initial = 1, .value = &reply_position_decimals,
         .summary = "Decimals of the positions WHERE prints.",
+    },
+    {
+        .command = "VB", .letter = 'F', .type = PARAMETER_INTEGER, .minimum = 0, .maximum = 0,
+        .value = &syntax, .saved = SAVED_NEVER,
+        .summary = "Syntax of replies: 0, that of the MS-2000, is the only one.",
     },
     {0},
 };

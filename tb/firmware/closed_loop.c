@@ -31,6 +31,66 @@ static double push[4];
 static bool reversed[4];
 static double latched[4]; /* true positions at the last tick */
 
+/* A decoder for each encoder, by its contract: the phase of the pins goes round by one. */
+static struct decoder {
+    unsigned phase;
+    int32_t count;
+    bool inverted, error;
+} decoders[4];
+
+static unsigned phase_of(unsigned axis)
+{
+    const struct board_pins *pins = board_pins(board);
+    unsigned a = pins->enc_a >> axis & 1, b = pins->enc_b >> axis & 1;
+
+    return b ? 3 - a : a;
+}
+
+static void decode(void)
+{
+    for (unsigned axis = 0; axis < 4; axis++) {
+        struct decoder *d = &decoders[axis];
+        unsigned phase = phase_of(axis), way = (phase - d->phase) % 4;
+
+        d->phase = phase;
+        d->error |= way == 2;
+        if (way % 2 != 0)
+            d->count += (way == 1) != d->inverted ? 1 : -1;
+    }
+}
+
+static uint32_t read_status(void *context, uintptr_t address)
+{
+    unsigned offset = (unsigned)(address - REG_QUADRATURE_CONFIG);
+
+    (void)context;
+    if (offset % REG_QUADRATURE_STRIDE != REG_QUADRATURE_STATUS - REG_QUADRATURE_CONFIG)
+        return mmio_model_get(address);
+    return decoders[offset / REG_QUADRATURE_STRIDE].error ? REG_QUADRATURE_STATUS_ERROR_MASK : 0;
+}
+
+static void write_encoder(void *context, uintptr_t address, uint32_t value)
+{
+    unsigned offset = (unsigned)(address - REG_QUADRATURE_CONFIG);
+    struct decoder *d = &decoders[offset / REG_QUADRATURE_STRIDE];
+
+    (void)context;
+    if (offset % REG_QUADRATURE_STRIDE == 0)
+        d->inverted = (value & REG_QUADRATURE_CONFIG_INVERT_MASK) != 0;
+    else if ((value & REG_QUADRATURE_STATUS_ERROR_MASK) != 0)
+        d->error = false;
+}
+
+static void connect_encoders(void)
+{
+    mmio_model_hook((struct mmio_hook){
+        .first = REG_QUADRATURE_CONFIG,
+        .last = REG_QUADRATURE_CONFIG + REG_QUADRATURE_COUNT * REG_QUADRATURE_STRIDE - 4,
+        .read = read_status, .write = write_encoder});
+    for (unsigned axis = 0; axis < 4; axis++)
+        decoders[axis] = (struct decoder){phase_of(axis), (int32_t)board_count(board, axis), 0, 0};
+}
+
 /* The parameters' text with some values multiplied. */
 static void change(char *text, size_t size, const struct closed_loop_change *changes)
 {
@@ -57,7 +117,7 @@ static void latch(void)
     uint64_t time_fast = (uint64_t)(now_ps / 5000);
 
     for (unsigned axis = 0; axis < 4; axis++) {
-        uint32_t count = (uint32_t)(int32_t)board_count(board, axis);
+        uint32_t count = (uint32_t)decoders[axis].count;
 
         latched[axis] = board_position_counts(board, axis, now_ps);
         mmio_model_set(REG_SNAPSHOT_TICK_POSITION0 + 4 * axis, count);
@@ -74,6 +134,10 @@ static void latch(void)
 static void tick(void)
 {
     now_ps += TICK_PS;
+    decode(); /* hands on the wires since the last tick */
+    while (board_next_ps(board) <= now_ps)
+        if (board_next(board, NULL))
+            decode();
     board_advance(board, now_ps);
     for (unsigned axis = 0; axis < 4; axis++)
         board_drive(board, now_ps, axis,
@@ -116,6 +180,7 @@ void closed_loop_start(const struct closed_loop_change *changes)
     memset(push, 0, sizeof push);
     memset(reversed, 0, sizeof reversed);
     mmio_model_reset();
+    connect_encoders();
     latch();
     axis_init();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)

@@ -43,7 +43,7 @@ static const char *page_at_rest(char letter, int id)
              "Max Lim      :   110.000 [SU] mm Min Lim      :  -110.000 [SL] mm\r"
              "Ramp Time    :     50.00 [AC] ms Ramp Length  :     10341 enc\r"
              "Run Speed    :   4.55600 [S]mm/s vmax_enc*64  :      1324\r"
-             "Servo Lp Time:      0.10      ms Enc Polarity :         1\r"
+             "Servo Lp Time:      0.10      ms Enc Polarity :         1 [EP]\r"
              "dv_enc       :         3         LL Axis ID   :        %d\r"
              "Drift Error  :  0.000400 [E]  mm enc_drift_err:        18\r"
              "Finish Error :  0.000022 [PC] mm enc_finsh_err:         0\r"
@@ -134,7 +134,7 @@ TEST(columns_hold_and_every_command_named_answers)
         }
         line = end + 1;
     }
-    CHECK_INT(commands, 20);
+    CHECK_INT(commands, 21);
 }
 
 TEST(page_is_true_in_motion)

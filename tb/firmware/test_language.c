@@ -92,6 +92,36 @@ TEST(nasty_lines_get_their_answers)
     EXPECT("/", "N"); /* nothing above has moved anything */
 }
 
+/* Commands, letters and values that need hardware or a module that is not there say so. */
+TEST(what_is_not_there_has_a_clear_answer)
+{
+    static const char *const unknown[] = {
+        "AF", "AH", "AIJ", "AR", "CCA X=1", "CCB Z=1", "ES", "EX", "LED X?", "LK", "LR Z?", "LS", "MM",
+        "PD X?", "PM X?", "PZ", "PZC", "RL", "SECURE X=1", "SI X?", "VIBRATE", "WD X=1", "WRDAC X=1",
+    };
+
+    machine_start();
+    for (size_t n = 0; n < sizeof unknown / sizeof *unknown; n++)
+        EXPECT(unknown[n], ":N-1");
+    EXPECT("J X=8", ":N-4"); /* foot switch */
+    EXPECT("J X=11", ":N-4");
+    EXPECT("J X?", ":A X=2");
+    EXPECT("SB X?", ":A X=1");
+    EXPECT("STOPBITS X=1", ":A ");
+    EXPECT("SB X=2", ":N-4");
+    EXPECT("SB X=0", ":N-4");
+    EXPECT("VB F", ":A ");
+    EXPECT("VB F=1", ":N-4");
+    EXPECT("VB T?", ":N-2");
+    EXPECT("RT R?", ":N-2");
+    EXPECT("TTL T?", ":N-2");
+    EXPECT("UL X?", ":N-2");
+    EXPECT("TTL X=9", ":N-4");
+    EXPECT("TTL Y=9", ":N-4");
+    EXPECT("RM X=1", ":N-4");
+    EXPECT("DIP X=1", ":N-4");
+}
+
 TEST(ten_kilobytes_of_noise_leave_it_working)
 {
     uint8_t bytes[10000];
@@ -181,5 +211,6 @@ TEST(half_a_million_bytes_of_commands_find_no_fault)
 TEST_MAIN(RUN(a_common_host_gets_through_its_start_up);
           RUN(build_x_names_the_modules_that_are_there);
           RUN(a_move_is_busy_at_once_and_ends_at_its_target); RUN(halt_stops_a_move_and_says_so);
-          RUN(nasty_lines_get_their_answers); RUN(ten_kilobytes_of_noise_leave_it_working);
+          RUN(nasty_lines_get_their_answers);
+          RUN(what_is_not_there_has_a_clear_answer); RUN(ten_kilobytes_of_noise_leave_it_working);
           RUN(half_a_million_bytes_of_commands_find_no_fault))

@@ -332,6 +332,49 @@ TEST(limits_have_the_users_letters)
     CHECK_TEXT(closed_loop_send("RS X"), ":A 74\r\n");
 }
 
+TEST(limits_have_the_users_codes)
+{
+    start();
+    SEND("UM X=-10000 Y=10000");
+    SEND("S X=6.8 Y=6.8");
+    SEND("SL X=-5");
+    SEND("SU X=3");
+    fault_clear();
+    SEND("M X=-60000 Y=0"); /* beyond the soft limits */
+    CHECK_INT(fault_read(0), FAULT_LIMIT_LOWER);
+    CHECK(closed_loop_wait(100000) > 0);
+    CHECK(fabs(closed_loop_position(0) - 5 * MM) < 2);
+    SEND("M X=60000");
+    CHECK_INT(fault_read(0), FAULT_LIMIT_UPPER);
+    CHECK(closed_loop_wait(100000) > 0);
+    CHECK(fabs(closed_loop_position(0) + 3 * MM) < 2);
+    SEND("@ X=-127");
+    while (motion_axis_busy(0))
+        closed_loop_tick();
+    CHECK_INT(fault_read(0), FAULT_LIMIT_LOWER);
+    closed_loop_run(100 * TICKS_PER_MS);
+
+    SEND("SL X-"); /* the switches */
+    SEND("SU X-");
+    SEND("M X=-600000");
+    CHECK(closed_loop_wait(100000) > 0);
+    closed_loop_run(100 * TICKS_PER_MS);
+    CHECK(closed_loop_position(0) > 54 * MM);
+    CHECK_INT(fault_read(0), FAULT_LIMIT_LOWER);
+    SEND("R X=-1000");
+    CHECK(closed_loop_wait(5000) >= 0);
+    closed_loop_run(100 * TICKS_PER_MS);
+    CHECK_INT(fault_read(0), FAULT_INTO_LIMIT_LOWER);
+    SEND("M X=600000");
+    CHECK(closed_loop_wait(100000) > 0);
+    closed_loop_run(100 * TICKS_PER_MS);
+    CHECK_INT(fault_read(0), FAULT_LIMIT_UPPER);
+    SEND("R X=1000");
+    CHECK(closed_loop_wait(5000) >= 0);
+    closed_loop_run(100 * TICKS_PER_MS);
+    CHECK_INT(fault_read(0), FAULT_INTO_LIMIT_UPPER);
+}
+
 TEST(the_screw_brings_its_scale_and_speed)
 {
     start();
@@ -360,4 +403,5 @@ TEST_MAIN(RUN(a_spin_drives_open_loop_and_shows_in_bit_0);
           RUN(a_released_move_is_not_busy_in_its_pause);
           RUN(an_axis_may_be_told_never_to_give_up);
           RUN(limits_have_the_users_letters);
+          RUN(limits_have_the_users_codes);
           RUN(the_screw_brings_its_scale_and_speed))
