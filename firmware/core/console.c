@@ -235,6 +235,11 @@ void console_poll(struct console *console)
     events_publish(EVENT_REPORT_SENT, 0, events_now());
 }
 
+bool console_due(const struct console *console)
+{
+    return ring_used(console->receive) > 0 || console->state == CONSOLE_PENDING;
+}
+
 bool console_finish(struct console *console)
 {
     if (console->state != CONSOLE_IDLE && !send(console))

@@ -38,6 +38,9 @@ void console_init(struct console *console, struct ring *receive, struct ring *tr
 /** One turn: take what has come in, carry out at most one line or step, send what fits. */
 void console_poll(struct console *console);
 
+/** Bytes have come in, or a reply in parts is under way: a turn is due before anything long is done. */
+bool console_due(const struct console *console);
+
 /**
  * Send what is left of the reply in hand, in a turn that takes and carries out nothing. True: all of
  * it has gone into the ring; further parts of a long one are given up. Lines that wait go on waiting.

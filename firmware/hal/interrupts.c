@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The target's; empty in the host build. CSRs 0xbc0 (mask) and 0xfc0 (pending) are VexRiscv's. */
+/* The target's; empty in the host build. CSRs 0xbc0 (mask) and 0xfc0 (pending, in the header) are VexRiscv's. */
 #include "hal/interrupts.h"
 
 #include "regs.h"
@@ -21,14 +21,6 @@ void interrupts_enable(uint32_t lines)
     __asm__ volatile("csrs mstatus, %0" : : "r"(MSTATUS_MIE) : "memory");
 }
 
-uint32_t interrupts_pending(void)
-{
-    uint32_t lines;
-
-    __asm__ volatile("csrr %0, 0xfc0" : "=r"(lines) : : "memory");
-    return lines;
-}
-
 void interrupts_sleep_unless(bool (*busy)(void))
 {
     /* wfi wakes on an enabled line whatever mstatus says (execute_CsrPlugin_wfiWake in the netlist
@@ -37,14 +29,6 @@ void interrupts_sleep_unless(bool (*busy)(void))
     if (!busy())
         __asm__ volatile("wfi" : : : "memory");
     __asm__ volatile("csrs mstatus, %0" : : "r"(MSTATUS_MIE) : "memory");
-}
-
-uint32_t interrupts_cycles(void)
-{
-    uint32_t cycles;
-
-    __asm__ volatile("csrr %0, mcycle" : "=r"(cycles));
-    return cycles;
 }
 
 #endif

@@ -21,8 +21,6 @@ enum {
 /** Let these lines interrupt, and no others. */
 void interrupts_enable(uint32_t lines);
 
-/** Lines that are enabled and request now. For the dispatcher. */
-uint32_t interrupts_pending(void);
 
 /**
  * Sleep until the next interrupt, unless `busy` says that there is something to do. An interrupt
@@ -31,7 +29,31 @@ uint32_t interrupts_pending(void);
  */
 void interrupts_sleep_unless(bool (*busy)(void));
 
+#ifdef __riscv
+
+/** Lines that are enabled and request now. For the dispatcher. */
+static inline uint32_t interrupts_pending(void)
+{
+    uint32_t lines;
+
+    __asm__ volatile("csrr %0, 0xfc0" : "=r"(lines) : : "memory");
+    return lines;
+}
+
 /** Processor clocks, for measuring; stand still while the processor's clock is stopped. Wraps. */
+static inline uint32_t interrupts_cycles(void)
+{
+    uint32_t cycles;
+
+    __asm__ volatile("csrr %0, mcycle" : "=r"(cycles));
+    return cycles;
+}
+
+#else
+
+uint32_t interrupts_pending(void);
 uint32_t interrupts_cycles(void);
+
+#endif
 
 #endif

@@ -96,8 +96,8 @@ void application_poll(void)
         if ((*module)->poll == NULL)
             continue;
         (*module)->poll();
-        /* A line that has come in meanwhile does not wait for all of them. */
-        if (ring_used(console.receive) > 0)
+        /* The port does not wait for all of them. */
+        if (console_due(&console))
             serve_port();
     }
 

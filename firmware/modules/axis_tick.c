@@ -18,16 +18,17 @@ volatile uint32_t axis_cycles_last, axis_cycles_max;
 /* True: a plan began, which takes about as long as a turn. */
 static inline bool begins(struct axis *a)
 {
-    if (a->handover.state != AXIS_HANDOVER_PENDING ||
-        (int32_t)(axis_tick_count - a->handover.tick) < 0)
-        return false;
-    return axis_begin(a);
+    if (SELDOM(a->handover.state == AXIS_HANDOVER_PENDING &&
+               (int32_t)(axis_tick_count - a->handover.tick) >= 0))
+        return axis_begin(a);
+    return false;
 }
 
 void axis_tick(void)
 {
     static unsigned turn; /* which axis is next; AXIS_COUNT: the event */
     uint32_t began = interrupts_cycles();
+    struct axis *a = axis_states;
     int32_t positions[SNAPSHOT_AXES], duties[SNAPSHOT_AXES] = {0};
     uint32_t now = axis_tick_count + 1, took;
     bool busy = false;
@@ -36,21 +37,19 @@ void axis_tick(void)
     axis_tick_count = now;
     if (now == 0)
         axis_tick_count_high = axis_tick_count_high + 1;
-    for (unsigned i = 0; i < AXIS_COUNT; i++) {
-        struct axis *a = &axis_states[i];
-
+    for (unsigned i = 0; i < AXIS_COUNT; i++, a++) {
         busy |= profile_tick(&a->profile);
         busy |= begins(a);
         duties[i] = loop_tick(&a->loop, &a->profile, positions[i]);
     }
     pwm_set_steps(duties);
     /* A tick that had more to do leaves the turn to the next. */
-    if (!busy) {
+    if (!SELDOM(busy)) {
         if (turn < AXIS_COUNT)
             axis_turn(&axis_states[turn], turn, positions[turn], duties[turn]);
         else if (turn == AXIS_COUNT && events_heard(EVENT_SERVO_TURN))
             events_publish_from_interrupt(EVENT_SERVO_TURN, now, snapshot_tick_time_fast());
-        turn = (turn + 1) % LOOP_TURN_TICKS;
+        turn = turn + 1 < LOOP_TURN_TICKS ? turn + 1 : 0;
     }
     /* The first one comes after a start-up that took longer than a tick. */
     if (pwm_acknowledge_tick() && now != 1)

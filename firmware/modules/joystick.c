@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include "core/axis.h"
 #include "hal/adc.h"
@@ -133,16 +134,18 @@ static void let_go(unsigned axis)
     motion_release(MOTION_AXIS(axis), &owner);
 }
 
-/* Deflection of a joystick, -1 to 1, 0 within the deadband. */
+/* Deflection of a joystick, -1 to 1, 0 within the deadband. Mostly it is: that is told in integers. */
 static double deflection(const struct device *device)
 {
+    int32_t off;
     double value;
 
     if (device->channel == NO_CHANNEL || !adc_valid())
         return 0;
-    value = adc_read(device->channel) / (ADC_FULL / 2.0) - 1;
-    if (fabs(value) <= DEADBAND)
+    off = (int32_t)adc_read(device->channel) - ADC_FULL / 2;
+    if (abs(off) <= (int32_t)(DEADBAND * ADC_FULL / 2))
         return 0;
+    value = off / (ADC_FULL / 2.0);
     return copysign((fabs(value) - DEADBAND) / (1 - DEADBAND), value);
 }
 
@@ -157,9 +160,8 @@ static double share_of_speed(double deflected)
 static void drive(unsigned axis, double deflected)
 {
     struct hand *hand = &hands[axis];
-    const double share = share_of_speed(deflected);
-    const int32_t target_counts =
-        limits_nearest(axis, share > 0 ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX);
+    double share;
+    int32_t target_counts;
 
     if (deflected == 0 || deflected * hand->refused < 0)
         hand->refused = 0;
@@ -172,6 +174,9 @@ static void drive(unsigned axis, double deflected)
     }
     if (hand->deflection * deflected > 0 && fabs(hand->deflection - deflected) < NOTICE)
         return;
+    share = share_of_speed(deflected);
+    target_counts =
+        limits_nearest(axis, share > 0 ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX);
     if ((share > 0) != (target_counts > motion_position_counts(axis)) || !may_move(axis))
         return;
     hand->deflection = deflected;

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "hal/snapshot.h"
 #include "modules/approach.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
@@ -125,14 +126,26 @@ static enum status movrel(const struct request *request, struct reply *reply)
     return status;
 }
 
+/* One axis a step, all as they were at the first: the reply begins to leave with the first number. */
 static enum status where(const struct request *request, struct reply *reply)
 {
-    unsigned axes = 0;
+    static struct snapshot snapshot;
+    unsigned axis = reply->step;
 
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if (names_axis(request, axis))
-            axes |= MOTION_AXIS(axis);
-    positions_write(reply, axes);
+    if (axis == 0) {
+        snapshot_now(&snapshot);
+        reply_open(reply, FORM_V);
+    }
+    while (!names_axis(request, axis))
+        axis++;
+    positions_field(reply, axis, &snapshot);
+    do
+        axis++;
+    while (axis < AXIS_COUNT && !names_axis(request, axis));
+    reply->step = axis;
+    if (axis < AXIS_COUNT)
+        return STATUS_PENDING;
+    reply_close(reply);
     return STATUS_OK;
 }
 

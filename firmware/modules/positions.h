@@ -4,11 +4,12 @@
 #define MODULES_POSITIONS_H
 
 #include "core/reply.h"
+#include "hal/snapshot.h"
 
-/** Write those of `axes` (a bit for each), in hardware order; without axes, nothing. */
-void positions_write(struct reply *reply, unsigned axes);
+/** Write an axis' field, between reply_open(FORM_V) and reply_close. */
+void positions_field(struct reply *reply, unsigned axis, const struct snapshot *snapshot);
 
-/** Send them unasked (core/report.h). */
+/** Send those of `axes` (a bit for each) unasked (core/report.h), in hardware order. */
 void positions_report(unsigned axes);
 
 #endif

@@ -144,7 +144,7 @@ static inline int32_t loop_error_q16(const struct loop_state *st,
     int32_t fraction_q16 = (int32_t)((uint32_t)profile->position_q32 >> 16) -
                            (st->lag_q16 & 0xffff);
 
-    if ((uint32_t)whole + 4000u > 8000u)
+    if (SELDOM((uint32_t)whole + 4000u > 8000u))
         return whole > 0 ? 4000 * 65536 : -4000 * 65536;
     return whole * 65536 + fraction_q16;
 }
@@ -161,7 +161,7 @@ static inline int32_t loop_tick(struct loop_state *st, const struct profile_stat
 {
     uint32_t lag_q16;
 
-    if (!st->regulated) {
+    if (SELDOM(!st->regulated)) {
         int32_t held_steps = st->held_steps;
 
         if (st->held_ticks != 0 && --st->held_ticks == 0)

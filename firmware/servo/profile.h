@@ -125,7 +125,7 @@ static inline bool profile_tick(struct profile_state *st)
 {
     if (!st->plan)
         return false;
-    if (--st->ticks_left == 0) {
+    if (__builtin_expect(--st->ticks_left == 0, 0)) {
         profile_turn(st);
         return true;
     }
