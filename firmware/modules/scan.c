@@ -232,6 +232,28 @@ static enum status run_scan(const struct request *request, struct reply *reply)
     return STATUS_OK;
 }
 
+bool scan_start(void)
+{
+    const struct wish wish = {.fast = (int)fast_axis, .slow = (int)slow_axis};
+    const struct scan_setup setup = setup_of(&wish);
+
+    return scan_run_state() == SCAN_IDLE && scan_run_check(&setup) == STATUS_OK &&
+           scan_run_start(&setup) == STATUS_OK;
+}
+
+bool scan_button_start(void)
+{
+    return scan_start();
+}
+
+bool scan_button_stop(void)
+{
+    if (scan_run_state() == SCAN_IDLE)
+        return false;
+    scan_run_stop();
+    return true;
+}
+
 /* A stop that is set takes the place of a number of pixels. */
 static void set_stop(unsigned axis, double value)
 {

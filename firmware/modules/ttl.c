@@ -8,6 +8,7 @@
 #include "modules/pins.h"
 #include "modules/positions.h"
 #include "modules/ring_buffer.h"
+#include "modules/scan.h"
 #include "modules/z_stack.h"
 
 /* What a rising edge at IN0 does. The numbers between belong to modules that are not built. */
@@ -17,6 +18,7 @@ enum in0_mode {
     IN0_REPEAT = 2,
     IN0_Z_STACK = 4,
     IN0_REPORT = 5,
+    IN0_SCAN = 6, /* and its pixels give pulses */
     IN0_TOGGLE = 10,
     IN0_RING_RELATIVE = 12,
 };
@@ -123,6 +125,9 @@ bool ttl_trigger(void)
         reporting = true;
         report_due_fast = events_now();
         break;
+    case IN0_SCAN:
+        (void)scan_start();
+        break;
     case IN0_TOGGLE:
         pins_out0(pins_out0_level() != (polarity > 0));
         break;
@@ -147,6 +152,7 @@ static enum status check_in0_mode(unsigned axis, double mode)
     case IN0_REPEAT:
     case IN0_Z_STACK:
     case IN0_REPORT:
+    case IN0_SCAN:
     case IN0_TOGGLE:
     case IN0_RING_RELATIVE:
         return STATUS_OK;
@@ -159,7 +165,7 @@ static void set_in0_mode(unsigned axis, double mode)
 {
     (void)axis;
     reporting = false;
-    pins_enable_pixels(mode == IN0_RING_NEXT);
+    pins_enable_pixels(mode == IN0_RING_NEXT || mode == IN0_SCAN);
 }
 
 /* --- Both -------------------------------------------------------------------------------------- */
@@ -220,8 +226,8 @@ static const struct parameter parameters[] = {
         .set = set_in0_mode, .saved = SAVED_BY_SS,
         .summary = "A rising edge at IN0: 0 nothing; 1 next point of the ring buffer, and the "
                    "pixels of a scan give pulses; 2 repeats the last MOVREL; 4 a step of the "
-                   "Z-stack; 5 starts timed reports of positions; 10 toggles OUT0; 12 next point "
-                   "of the ring buffer as a distance.",
+                   "Z-stack; 5 starts timed reports of positions; 6 starts a scan, and its pixels "
+                   "give pulses; 10 toggles OUT0; 12 next point of the ring buffer as a distance.",
     },
     {
         .command = "TTL", .letter = 'Y', .type = PARAMETER_INTEGER, .unit = "",

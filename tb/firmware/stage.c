@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "core/action.h"
 #include "core/events.h"
 #include "core/fault.h"
 #include "core/module.h"
@@ -219,6 +220,7 @@ void stage_start(void)
     axis_init();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
+    action_init(firmware_claims);
     port_start(firmware_modules);
     for (int n = 0; n < 200; n++)
         stage_tick();
