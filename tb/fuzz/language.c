@@ -22,10 +22,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum {
     PAUSE = 0x16,
-    PAUSE_TURNS = 40,
-    TURNS_PER_TICK = 4,
-    TURNS_MAX = 20000, /* a second: enough for the longest queue of the longest replies */
-    HALTS_MAX = 64,    /* commands of an input that last */
+    PAUSE_TICKS = 10,
+    TURNS_PER_TICK = 10, /* a turn takes 20 us */
+    TURNS_MAX = 4000, /* without rest: 80 ms; then HALT */
+    HALTS_MAX = 64,   /* commands of an input that last, and parts of long replies */
     INPUT_MAX = 4096,
     OUTPUT = 1024,
 };
@@ -117,8 +117,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             at++;
         turn();
         for (; at < size && data[at] == PAUSE && ring_used(&receive) == 0; at++)
-            for (unsigned n = 0; n < PAUSE_TURNS; n++)
+            for (unsigned n = 0; n < PAUSE_TICKS; n++) {
+                machine_run(1);
                 turn();
+            }
     }
     settle();
     expect("CD\r", "20");
