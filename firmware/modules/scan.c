@@ -237,8 +237,7 @@ bool scan_start(void)
     const struct wish wish = {.fast = (int)fast_axis, .slow = (int)slow_axis};
     const struct scan_setup setup = setup_of(&wish);
 
-    return scan_run_state() == SCAN_IDLE && scan_run_check(&setup) == STATUS_OK &&
-           scan_run_start(&setup) == STATUS_OK;
+    return scan_run_start(&setup) == STATUS_OK;
 }
 
 bool scan_button_start(void)

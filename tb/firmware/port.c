@@ -7,6 +7,7 @@
 #include "core/fault.h"
 #include "core/module.h"
 #include "core/settings.h"
+#include "dialect.h"
 
 enum { OUTPUT = 8192 };
 
@@ -78,11 +79,8 @@ const char *port_text(const char *text)
 const char *port_send(const char *line)
 {
     char text[1100];
-    size_t length = strlen(line);
 
-    memcpy(text, line, length);
-    text[length] = '\r';
-    return port_bytes(text, length + 1);
+    return port_bytes(text, dialect_write(line, text, sizeof text));
 }
 
 const char *port_drain(void)

@@ -15,7 +15,7 @@ void port_start(const struct module *const *modules);
 /** Bytes in, one turn of the main loop after each; returns what came out, zero-ended. */
 const char *port_bytes(const void *bytes, size_t length);
 
-/** A line, CR added; returns everything that came out until the console was idle again. */
+/** A line, CR added (dialect.h); returns everything that came out until the console was idle again. */
 const char *port_send(const char *line);
 
 /** The same for text that is sent as it is. */

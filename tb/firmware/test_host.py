@@ -4,6 +4,7 @@
 They are built under AddressSanitizer and UBSan; a finding of theirs fails the test that met it.
 """
 
+import os
 import pathlib
 import re
 import subprocess
@@ -31,7 +32,10 @@ def test_firmware(stem, sentence):
 STATEFUL = [source.stem for source in sorted(HERE.glob("test_*.c")) if "_start(" in source.read_text()]
 
 
+@pytest.mark.parametrize("dialect", [{}, {"DIALECT": "1"}], ids=["plain", "dialect"])
 @pytest.mark.parametrize("stem", STATEFUL)
-def test_one_process_for_all_of_a_file(stem):
-    run = subprocess.run([build(f"host/{stem}")], capture_output=True, text=True, timeout=600)
+def test_one_process_for_all_of_a_file(stem, dialect):
+    """Also with the lines as other hosts would say them: exponents, no blanks, CR twice (dialect.h)."""
+    run = subprocess.run([build(f"host/{stem}")], env={**os.environ, **dialect}, capture_output=True, text=True,
+                         timeout=600)
     assert run.returncode == 0, run.stdout + run.stderr

@@ -82,6 +82,10 @@ TEST(nasty_lines_get_their_answers)
     EXPECT("WHERE Q", ":N-2");
     EXPECT("MOVE Q=1", ":N-2");
     EXPECT("SCANR Z=0", ":N-4");
+    EXPECT("PC X=6e-06 Y=6E-6", ":A ");
+    EXPECT("PC X? Y?", ":A X=0.000006 Y=0.000006");
+    EXPECT("S VX=4.690000 VY=4.690000 ", ":A ");
+    EXPECT("S X? Y? ", ":A X=4.690000 Y=4.690000");
     EXPECT("M X=1e400", ":N-4");
     EXPECT("M X=1 Q=1", ":N-2");
     EXPECT("S X=3 Y=0", ":N-4");

@@ -100,7 +100,7 @@ TEST(modes_that_are_not_built_are_refused)
     SEND("TTL F=0", ":N-4\r\n");
     SEND("TTL F=2", ":N-4\r\n");
     SEND("TTL Q=1", ":N-2\r\n");
-    SEND("TTL Y=0 X=6", ":N-4\r\n"); /* all or nothing */
+    SEND("TTL Y=0 X=7", ":N-4\r\n"); /* all or nothing */
     SEND("TTL X? Y? F?", ":A X=0 Y=1 F=1\r\n");
     ROUTES(HIGH, PIXEL);
 }

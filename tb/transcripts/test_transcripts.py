@@ -110,6 +110,23 @@ def test_a_kilobyte_of_commands_is_answered_one_by_one_and_in_order():
     assert replies == b"".join(b":A \r\n:A %d\r\n" % n for n in range(70))
 
 
+def test_a_client_that_tunes_at_its_start_gets_its_answers():
+    """NAV's start-up: two CRs, one line read for each command, a second of patience."""
+    with powered() as host:
+        for axis in "XYZ":
+            for line in f"AA {axis}=85", f"AZ {axis}":
+                assert host.ask(f"{line}\r\r".encode()) == b":A \r\n"
+        assert all(700 < float(gain.partition("=")[2]) < 900 for gain in host.say("KP X? Y? Z?").split()[1:])
+
+
+def test_a_halt_ends_the_tuning_at_once():
+    with powered() as host:
+        host.say("KP X=700")
+        replies = host.ask(b"AZ X\r\\", complete=lambda r: r.count(b"\n") >= 2)
+        assert replies == b":N-5\r\n:N-21\r\n"
+        assert host.say("/") == "N" and host.say("KP X?") == ":A X=700"
+
+
 class Fake:
     """A port that answers each line from a table, CR LF added unless it has its own."""
 
