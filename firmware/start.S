@@ -28,7 +28,10 @@ application_start:
     la t2, bss_end
 3:  bgeu t1, t2, 4f
     sw zero, 0(t1)
-    addi t1, t1, 4
+    sw zero, 4(t1)
+    sw zero, 8(t1)
+    sw zero, 12(t1)
+    addi t1, t1, 16
     j 3b
 4:  call main
 5:  wfi

@@ -10,6 +10,7 @@
 enum { KEY_FACTORY = 0 };
 
 static const struct settings_store *store = &settings_ram;
+static bool loading;
 
 void settings_init(const struct settings_store *use)
 {
@@ -95,10 +96,17 @@ void settings_load(void)
 {
     double factory;
 
+    loading = true;
     (void)for_each(set_initial);
     if (!store->read(KEY_FACTORY, &factory) || factory == 0)
         (void)for_each(load_saved);
     (void)for_each(load_kept_at_once);
+    loading = false;
+}
+
+bool settings_loading(void)
+{
+    return loading;
 }
 
 void settings_keep(const struct parameter *parameter, unsigned axis)

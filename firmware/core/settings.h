@@ -46,6 +46,12 @@ bool settings_keep_places(void);
 
 /** Give every parameter its initial value, then what is kept. Start-up and RESET. */
 void settings_load(void);
+/**
+ * settings_load is at work: values are set one after the other, and each module's init comes after
+ * them. What follows from many of them is made there, once.
+ */
+bool settings_loading(void);
+
 /** SS Z. False: the store is full or failed. */
 bool settings_save(void);
 /** SS Y: the kept values now, and again at the next start after an SS X. */

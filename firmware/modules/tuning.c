@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "core/settings.h"
 #include "hal/pwm.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
@@ -115,7 +116,7 @@ static int32_t strong(unsigned axis, int32_t gain)
     return (int32_t)lround(gain * (1 + (strength[axis] - STRENGTH_FULL) / 100));
 }
 
-void tuning_apply(unsigned axis)
+static void apply(unsigned axis)
 {
     struct pid_gains gains;
     struct loop_config config = {
@@ -148,6 +149,19 @@ void tuning_apply(unsigned axis)
     gains.kd = strong(axis, gains.kd);
     pid_configure(&config.pid, &gains, AXIS_TICK_US);
     axis_configure(axis, &config);
+}
+
+void tuning_apply(unsigned axis)
+{
+    /* While all of them are set it would be in vain. */
+    if (!settings_loading())
+        apply(axis);
+}
+
+static void init(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        apply(axis);
 }
 
 struct pid_gains tuning_gains(unsigned axis)
@@ -327,4 +341,5 @@ const struct module tuning_module = {
     .name = "tuning",
     .commands = commands,
     .parameters = parameters,
+    .init = init,
 };
