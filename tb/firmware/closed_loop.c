@@ -5,17 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/events.h"
-#include "core/fault.h"
 #include "core/settings.h"
 #include "host/mmio.h"
 #include "modules/axis.h"
-#include "modules/coordinates.h"
-#include "modules/limits.h"
-#include "modules/modules.h"
 #include "modules/motion.h"
 #include "port.h"
 #include "regs.h"
+#include "rig.h"
 
 /* A servo tick. Duties are taken two PWM periods after theirs (DutyDelay of rtl/pwm.py): at the next. */
 enum { TICK_PS = AXIS_TICK_US * 1000000 };
@@ -114,17 +110,13 @@ static void change(char *text, size_t size, const struct closed_loop_change *cha
 static void latch(void)
 {
     const struct board_pins *pins = board_pins(board);
-    uint64_t time_fast = (uint64_t)(now_ps / 5000);
+    int32_t counts[4];
 
     for (unsigned axis = 0; axis < 4; axis++) {
-        uint32_t count = (uint32_t)decoders[axis].count;
-
         latched[axis] = board_position_counts(board, axis, now_ps);
-        mmio_model_set(REG_SNAPSHOT_TICK_POSITION0 + 4 * axis, count);
-        mmio_model_set(REG_SNAPSHOT_SAMPLE_POSITION0 + 4 * axis, count);
+        counts[axis] = decoders[axis].count;
     }
-    mmio_model_set(REG_SNAPSHOT_TICK_TIME_LOW, (uint32_t)time_fast);
-    mmio_model_set(REG_SNAPSHOT_TICK_TIME_HIGH, (uint32_t)(time_fast >> 32));
+    rig_latch((uint64_t)(now_ps / 5000), counts);
     mmio_model_set(REG_INPUTS_LEVELS,
                    (uint32_t)pins->limit_lower << REG_INPUTS_LEVELS_LIMIT_LOWER_SHIFT |
                        (uint32_t)pins->limit_upper << REG_INPUTS_LEVELS_LIMIT_UPPER_SHIFT |
@@ -150,11 +142,7 @@ void closed_loop_tick(void)
 {
     for (unsigned n = 0; n < CLOSED_LOOP_TICK_US / AXIS_TICK_US; n++)
         tick();
-    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
-        if ((*module)->poll != NULL)
-            (*module)->poll();
-    fault_poll();
-    events_poll();
+    rig_turn();
 }
 
 void closed_loop_run(unsigned ticks)
@@ -182,12 +170,8 @@ void closed_loop_start(const struct closed_loop_change *changes)
     mmio_model_reset();
     connect_encoders();
     latch();
-    axis_init();
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        coordinates_set_origin(axis, 0);
-    limits_open();
     settings_ram_clear();
-    port_start(firmware_modules);
+    rig_start();
     closed_loop_run(2 * AXIS_REST_TURNS * AXIS_TURN_US / CLOSED_LOOP_TICK_US);
 }
 

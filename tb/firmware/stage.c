@@ -4,17 +4,12 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "core/action.h"
-#include "core/events.h"
-#include "core/fault.h"
-#include "core/module.h"
 #include "host/mmio.h"
 #include "modules/axis.h"
-#include "modules/coordinates.h"
-#include "modules/modules.h"
 #include "modules/motion.h"
 #include "port.h"
 #include "regs.h"
+#include "rig.h"
 
 struct stage_line stage_lines[STAGE_LINES];
 unsigned stage_line_count;
@@ -187,14 +182,7 @@ static uint32_t read_pwm_events(void *context, uintptr_t address)
 
 static void show_positions(void)
 {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        const uint32_t value = (uint32_t)stage_position[axis];
-
-        mmio_model_set(REG_SNAPSHOT_TICK_POSITION0 + 4 * axis, value);
-        mmio_model_set(REG_SNAPSHOT_SAMPLE_POSITION0 + 4 * axis, value);
-    }
-    mmio_model_set(REG_SNAPSHOT_TICK_TIME_LOW, (uint32_t)time_fast);
-    mmio_model_set(REG_SNAPSHOT_TICK_TIME_HIGH, (uint32_t)(time_fast >> 32));
+    rig_latch(time_fast, stage_position);
     mmio_model_set(REG_INPUTS_LEVELS, stage_estop ? REG_INPUTS_LEVELS_ESTOP_MASK : 0);
 }
 
@@ -217,11 +205,7 @@ void stage_start(void)
                                        .read = read_pwm_events});
     mmio_model_set(REG_IDENTITY_FAST_CLOCK_HZ, 200000000);
     show_positions();
-    axis_init();
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        coordinates_set_origin(axis, 0);
-    action_init(firmware_claims);
-    port_start(firmware_modules);
+    rig_start();
     for (int n = 0; n < 200; n++)
         stage_tick();
 }
@@ -248,11 +232,7 @@ void stage_tick(void)
         follow();
     }
     show_positions();
-    fault_poll();
-    events_poll();
-    for (const struct module *const *module = firmware_modules; *module != NULL; module++)
-        if ((*module)->poll != NULL)
-            (*module)->poll();
+    rig_turn();
 }
 
 int stage_run(int limit)

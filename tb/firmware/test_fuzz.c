@@ -11,20 +11,11 @@
 #include "modules/identity.h"
 #include "modules/settings.h"
 #include "port.h"
+#include "random.h"
 #include "sample.h"
 
 static const struct module *const modules[] = {&identity_module, &settings_module, &sample_module,
                                                NULL};
-
-static uint32_t random_state;
-
-static uint32_t random_below(uint32_t limit) /* xorshift32 (Marsaglia 2003) */
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state % limit;
-}
 
 /* Every line of the output ends in CR LF and begins as a reply can. */
 static bool is_language(const char *text)

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "random.h"
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum { INPUT_MAX = 2048, PIECE_MAX = 64 };
@@ -17,16 +19,6 @@ struct text {
     uint8_t *bytes;
     size_t size;
 };
-
-static uint32_t random_state;
-
-static uint32_t random_below(uint32_t limit) /* xorshift32 (Marsaglia 2003) */
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state % limit;
-}
 
 static struct text read_file(const char *path)
 {
