@@ -6,6 +6,7 @@
 
 #include "check.h"
 #include "machine.h"
+#include "random.h"
 
 #define EXPECT(line, reply) CHECK_TEXT(machine_send(line), reply "\r\n")
 #define EXPECT_START(line, reply)                                                                  \
@@ -140,16 +141,6 @@ TEST(ten_kilobytes_of_noise_leave_it_working)
     EXPECT_START("W X Y", ":A ");
     EXPECT("S X=2.5", ":A ");
     EXPECT("S X?", ":A X=2.500000");
-}
-
-static uint32_t random_state;
-
-static uint32_t random_below(uint32_t limit) /* xorshift32 (Marsaglia 2003) */
-{
-    random_state ^= random_state << 13;
-    random_state ^= random_state >> 17;
-    random_state ^= random_state << 5;
-    return random_state % limit;
 }
 
 static const char *one_of(const char *const *list, size_t count)
