@@ -9,7 +9,7 @@
 #include "core/settings.h"
 #include "dialect.h"
 
-enum { OUTPUT = 8192 };
+enum { OUTPUT = 8192, TURNS_MAX = 1000000 };
 
 struct console port_console;
 
@@ -55,7 +55,8 @@ static void turn(void)
 
 static void settle(void)
 {
-    for (int turns = 0; turns < 2 || (!held && !console_idle(&port_console)); turns++)
+    for (int turns = 0;
+         turns < 2 || (!held && !console_idle(&port_console) && turns < TURNS_MAX); turns++)
         turn();
 }
 
