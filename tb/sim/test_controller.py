@@ -78,3 +78,14 @@ def test_a_simulator_is_known_to_be_built_once_it_is(tmp_path):
     assert build.is_built(FIXTURE)
     (tmp_path / "other.v").write_text(FIXTURE.read_text() + "// another")
     assert not build.is_built(tmp_path / "other.v")
+
+
+def test_the_gateware_is_written_once_also_where_nothing_was_built(tmp_path, monkeypatch):
+    from soc import verilog
+    written = []
+    monkeypatch.setattr(controller.toolchain, "BUILD", tmp_path / "build")
+    monkeypatch.setattr(verilog, "write", lambda directory: (directory.mkdir(parents=True),
+                                                             written.append((directory / "abbe.v").write_text("module"))))
+    assert controller.write_verilog(lambda sentence: None) == tmp_path / "build" / "soc" / "abbe.v"
+    controller.write_verilog(lambda sentence: None)
+    assert len(written) == 1
