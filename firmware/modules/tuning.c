@@ -316,6 +316,15 @@ static const struct parameter parameters[] = {
     {0},
 };
 
+/* A client sends AA X for a calibration: that must not take the strength away. */
+static enum status no_bare_axis(const struct request *request)
+{
+    for (size_t n = 0; n < request->count; n++)
+        if (request->arguments[n].kind == ARGUMENT_BARE)
+            return STATUS_MISSING;
+    return STATUS_OK;
+}
+
 static const struct command commands[] = {
     {.name = "SPEED", .shortcut = "S", .summary = "Speed of moves.", .form = FORM_P},
     {.name = "ACCEL", .shortcut = "AC", .summary = "Ramp time.", .form = FORM_S},
@@ -333,7 +342,8 @@ static const struct command commands[] = {
     {.name = "KADC", .shortcut = "KA", .summary = "Acceleration feed-forward.", .form = FORM_P},
     {.name = "KF", .summary = "Friction feed-forward.", .form = FORM_P},
     {.name = "DACK", .shortcut = "D", .summary = "Speed of the motor.", .form = FORM_S},
-    {.name = "AALIGN", .shortcut = "AA", .summary = "Strength of the drive.", .form = FORM_P},
+    {.name = "AALIGN", .shortcut = "AA", .summary = "Strength of the drive.", .form = FORM_P,
+     .check = no_bare_axis},
     {0},
 };
 

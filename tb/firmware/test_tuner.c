@@ -423,6 +423,9 @@ TEST(aalign_is_the_strength_against_errors)
     start(NULL);
     SEND("AA X=83 Y=78 Z=59");
     CHECK_TEXT(closed_loop_send("AA Z? X? Y?"), ":A X=83 Y=78 Z=59\r\n");
+    CHECK_TEXT(closed_loop_send("AA x "), ":N-3\r\n");
+    CHECK_TEXT(closed_loop_send("AA X=0 Z"), ":N-3\r\n");
+    CHECK_TEXT(closed_loop_send("AA X?"), ":A X=83\r\n");
     CHECK_TEXT(closed_loop_send("AA X=100"), ":N-4\r\n");
     CHECK_TEXT(closed_loop_send("AA X=-1"), ":N-4\r\n");
     SEND("AA X=85 Y=85 Z=85");
