@@ -72,9 +72,9 @@ const struct module *const firmware_modules[] = {
 /* First come, first asked. */
 const struct claim firmware_claims[] = {
     {ACTION_RING_NEXT, ttl_trigger},
-    {ACTION_AT_SHORT, scan_button_stop},
+    {ACTION_AT_SHORT, scan_stop},
     {ACTION_AT_SHORT, ring_buffer_button_next},
-    {ACTION_AT_LONG, scan_button_start},
+    {ACTION_AT_LONG, scan_start},
     {ACTION_JOYSTICK_LONG, ring_buffer_button_store},
     {ACTION_HOME_LONG, ring_buffer_button_clear},
     {ACTION_HOME_SHORT, buttons_home},

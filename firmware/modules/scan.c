@@ -240,12 +240,7 @@ bool scan_start(void)
     return scan_run_start(&setup) == STATUS_OK;
 }
 
-bool scan_button_start(void)
-{
-    return scan_start();
-}
-
-bool scan_button_stop(void)
+bool scan_stop(void)
 {
     if (scan_run_state() == SCAN_IDLE)
         return false;

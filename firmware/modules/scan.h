@@ -9,11 +9,8 @@
 
 extern const struct module scan_module;
 
-/** Start a scan as it is set, when none runs (TTL X=6). False: none was started. */
+/** Start a scan as it is set, or end the one that runs: IN0 and the @ button. False: nothing done. */
 bool scan_start(void);
-
-/** Claims of the @ button: long starts a scan, short ends one. */
-bool scan_button_start(void);
-bool scan_button_stop(void);
+bool scan_stop(void);
 
 #endif

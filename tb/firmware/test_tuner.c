@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* AZERO and AALIGN on the board: what is measured, what the gains are good for, what ends it. */
+/* AZERO on the board: what is measured, what the gains are good for, what ends it. */
 #include "check.h"
 
 #include <math.h>
@@ -390,61 +390,6 @@ TEST(a_weight_does_not_disturb)
     CHECK_FOUND(1, 1, 1);
 }
 
-/* --- AALIGN and DACK ---------------------------------------------------------------------------- */
-
-/* How far a jolt takes the axis off a constant speed, counts. */
-static double give(const char *strength)
-{
-    double most = 0;
-
-    start(NULL);
-    if (strcmp(closed_loop_send(strength), DONE) != 0 ||
-        strcmp(closed_loop_send("M X=40000"), DONE) != 0)
-        return -1;
-    closed_loop_run(1000);
-    closed_loop_push(0, 0.1);
-    for (int n = 0; n < 100; n++) {
-        struct axis_view view;
-
-        closed_loop_tick();
-        axis_read(0, &view);
-        most = fmax(most, fabs((double)view.error_counts));
-    }
-    closed_loop_push(0, 0);
-    return closed_loop_wait(50000) < 0 || board_count(closed_loop_board(), 0) != 181584 ? -1 : most;
-}
-
-TEST(aalign_is_the_strength_against_errors)
-{
-    double weakest = give("AA X=0"), middle = give("AA X=50"), full = give("AA X=85"),
-           most = give("AA X=99");
-
-    CHECK(weakest > 2 * full && middle > 1.3 * full && full > 1.05 * most && most > 1);
-    start(NULL);
-    SEND("AA X=83 Y=78 Z=59");
-    CHECK_TEXT(closed_loop_send("AA Z? X? Y?"), ":A X=83 Y=78 Z=59\r\n");
-    CHECK_TEXT(closed_loop_send("AA x "), ":N-3\r\n");
-    CHECK_TEXT(closed_loop_send("AA X=0 Z"), ":N-3\r\n");
-    CHECK_TEXT(closed_loop_send("AA X?"), ":A X=83\r\n");
-    CHECK_TEXT(closed_loop_send("AA X=100"), ":N-4\r\n");
-    CHECK_TEXT(closed_loop_send("AA X=-1"), ":N-4\r\n");
-    SEND("AA X=85 Y=85 Z=85");
-    CHECK_TEXT(closed_loop_send("KP X?"), ":A X=800\r\n");
-}
-
-TEST(dack_is_the_speed_of_the_motor)
-{
-    start(NULL);
-    /* 7.48 / 0.9 mm/s at full drive without friction. */
-    CHECK_TEXT(closed_loop_send("D X?"), ":X=0.06494 A\r\n");
-    SEND("D X=0.13");
-    CHECK_TEXT(closed_loop_send("KV X?"), ":A X=53\r\n");
-    CHECK_TEXT(closed_loop_send("D X=0"), ":N-4\r\n");
-    CHECK_TEXT(closed_loop_send("D X=1000"), ":N-4\r\n");
-    CHECK_TEXT(closed_loop_send("D X=1e-8"), ":N-4\r\n");
-    CHECK_TEXT(closed_loop_send("KV X?"), ":A X=53\r\n");
-}
-
 TEST_MAIN(RUN(the_gains_are_those_of_the_motor); RUN(friction_is_measured);
           RUN(the_default_gains_are_found_again); RUN(moves_are_fast_and_exact_on_every_screw);
           RUN(it_answers_at_its_end_and_stands_where_it_began);
@@ -454,5 +399,4 @@ TEST_MAIN(RUN(the_gains_are_those_of_the_motor); RUN(friction_is_measured);
           RUN(limits_are_kept); RUN(a_run_that_gets_to_a_limit_ends);
           RUN(a_limit_switch_refuses_it_and_ends_it);
           RUN(a_cut_motor_wire_is_a_dead_axis); RUN(a_reversed_motor_is_found_out);
-          RUN(an_obstacle_on_one_way_is_found_out); RUN(a_weight_does_not_disturb);
-          RUN(aalign_is_the_strength_against_errors); RUN(dack_is_the_speed_of_the_motor))
+          RUN(an_obstacle_on_one_way_is_found_out); RUN(a_weight_does_not_disturb))
