@@ -16,9 +16,9 @@ class Countdown(wiring.Component):
     Domain ``fast``; one step per clock.  ``last`` comes from a flip-flop and is true to every step and load up
     to the clock before, even when it is reloaded with 1 in every clock.
 
-    Only the low byte is loaded and compared in the clock it changes in.  The rest follows it by a clock and is
-    compared a clock after that: it can only become zero when the low byte goes from 0 to 255, and is not asked
-    before the low byte is back at 2.
+    Only the low byte is loaded and compared in the clock it changes in.  The rest is loaded a clock later, borrowed
+    from two clocks later, so that nothing stands behind its carry chain, and compared a clock after that: it can only
+    become zero when the low byte goes from 0 to 255, and is not asked before the low byte is back at 2.
 
     Parameters
     ----------
@@ -45,11 +45,12 @@ class Countdown(wiring.Component):
         if not isinstance(width, int) or width <= LOW_BITS:
             raise ValueError(f"a countdown needs more than {LOW_BITS} bits, not {width!r}")
         # State, for proofs.  ``one``: the count is 1.  ``more``: after it comes the extra step.  ``borrow``:
-        # ``high`` is one too many.  ``began``: ``high`` is still to be loaded.  ``short``: ``high`` was 0 one
-        # clock ago, or will be when it is loaded.
+        # ``high`` is one too many.  ``due``: it still is, and ``less`` is what it will be.  ``began``: ``high`` is
+        # still to be loaded.  ``short``: ``high`` was 0 one clock ago, or will be when it is loaded.
         self._start, self._start_one, self._start_short = Signal(width), Signal(), Signal(init=1)
         self._low, self._high = Signal(LOW_BITS), Signal(width - LOW_BITS)
         self._one, self._more, self._borrow = Signal(), Signal(), Signal()
+        self._due, self._less = Signal(), Signal(width - LOW_BITS)
         self._began, self._short = Signal(), Signal()
         super().__init__({"value": In(width), "load": In(1), "reload": In(1), "extra": In(1), "step": In(1),
                           "last": Out(1)})
@@ -58,7 +59,7 @@ class Countdown(wiring.Component):
         m = Module()
         start, start_one, start_short = self._start, self._start_one, self._start_short
         low, high, one, more = self._low, self._high, self._one, self._more
-        borrow, began, short = self._borrow, self._began, self._short
+        borrow, due, less, began, short = self._borrow, self._due, self._less, self._began, self._short
 
         with m.If(~self.load):                      # the upper part is still to be taken
             m.d.fast += [
@@ -92,9 +93,10 @@ class Countdown(wiring.Component):
             began.eq(begin),
             short.eq(Mux(begin | began, start_short, high == 0)),
             borrow.eq(self.step & ~self.load & (low == 0)),
+            due.eq(borrow & ~began), less.eq(high - 1),
         ]
         with m.If(began):
             m.d.fast += high.eq(start[LOW_BITS:])
-        with m.Elif(borrow):
-            m.d.fast += high.eq(high - 1)
+        with m.Elif(due):
+            m.d.fast += high.eq(less)
         return m

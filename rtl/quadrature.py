@@ -18,6 +18,9 @@ DECODER_LATENCY = 3
 FILTER_BITS = 4
 """Bits of the glitch filter's setting: 0 (off) to 15 samples."""
 
+LOW_BITS = 12
+"""Bits of the count's lower part: few, to be compared quickly, and enough for the upper part to be short."""
+
 
 class StepStream(wiring.Signature):
     """Steps of one axis, one per clock at most, all members aligned.  Domain ``fast``.
@@ -143,7 +146,9 @@ class QuadratureDecoder(wiring.Component):
         # Of the filters: wanted, and in use while a pin moves; and whether these are 0.
         self._wanted, self._wanted_off = Signal(FILTER_BITS), Signal(init=1)
         self._samples, self._samples_off = Signal(FILTER_BITS), Signal(init=1)
-        self._errors_full = Signal()
+        # Looked up as their counters change: the errors are at their last value; the lower part of the count is 0,
+        # or is all ones, so that the upper part moves with it downward, or upward.
+        self._errors_full, self._low_zero, self._low_ones = Signal(), Signal(init=1), Signal()
         super().__init__({
             "a": In(1), "b": In(1), "z": In(1), "settings": In(DecoderSettings),
             "steps": Out(StepStream(width)), "error": Out(1), "errors": Out(16),
@@ -183,17 +188,22 @@ class QuadratureDecoder(wiring.Component):
             index.eq(z.next & ~z.level & ~settling[0]),
         ]
 
-        # The step, 1 or -1, is registered as the carry chain wants it: no logic between the two.
-        count = self.steps.count
-        step = Cat(1, down.replicate(len(count) - 1)).as_signed()
+        # Two parts, each a carry chain of its own.  The step, 1 or -1, is registered as the chains want it.
+        count, low_zero, low_ones = self.steps.count, self._low_zero, self._low_ones
+        low_bits = min(LOW_BITS, len(count) // 2)
+        low, high = count[:low_bits], count[low_bits:]
         with m.If(moved):
-            m.d.fast += count.eq(count + step)
+            m.d.fast += [
+                low.eq(low + Cat(1, down.replicate(len(low) - 1))),
+                low_zero.eq(Mux(down, low == 1, low_ones)), low_ones.eq(Mux(down, low_zero, ~low == 1)),
+            ]
+        with m.If(moved & Mux(down, low_zero, low_ones)):
+            m.d.fast += high.eq(high + Cat(1, down.replicate(len(high) - 1)))
         m.d.fast += [
             self.steps.moved.eq(moved), self.steps.up.eq(~down), self.steps.a.eq(a.level),
             self.error.eq(illegal), self.index.eq(index),
         ]
 
-        # Looked up as the count changes: it is at its last value.
         full = self._errors_full
         another = self.error & ~full
         with m.If(another):

@@ -21,6 +21,7 @@ AXES = 4
 LATCH_LATENCY = 4
 """``fast`` clock edges from the ``sync`` edge that takes a request to the edge that latches."""
 
+HALF = (1 << 16) - 1
 LAST = (1 << 32) - 1
 
 
@@ -41,14 +42,16 @@ class Timestamp(wiring.Component):
     def __init__(self, *, init=0):
         if not isinstance(init, int) or not 0 <= init < 1 << 64:
             raise ValueError(f"a time has 64 bits, not {init!r}")
-        # Looked up one clock ahead: the low word is at its last value.
-        self._carry = Signal(init=init & LAST == LAST)
+        # Looked up one clock ahead: the low word is at its last value.  ``near``: its upper half was so one clock ago.
+        self._carry, self._near = Signal(init=init & LAST == LAST), Signal(init=init & LAST > LAST - HALF)
         super().__init__({"time": Out(64, init=init)})
 
     def elaborate(self, platform):
         m = Module()
         low, high = self.time[:32], self.time[32:]
-        m.d.fast += [self._carry.eq(low == LAST - 1), low.eq(low + 1)]
+        m.d.fast += [
+            self._near.eq(low[16:].all()), self._carry.eq(self._near & (low[:16] == HALF - 1)), low.eq(low + 1),
+        ]
         with m.If(self._carry):
             m.d.fast += high.eq(high + 1)
         return m

@@ -40,16 +40,37 @@ FAST_MODULES = "*.quadrature*.decoder *.line.line *.snapshot.timestamp"
 """Modules with the logic of ``fast``, each mapped to LUTs by itself: yosys saves area wherever logic is not as deep as
 the deepest of its module, and beside the processor that would be everywhere."""
 
+FAST_LUTS, LUTS = "abc9 -W 300", "abc9 -maxlut 4 -W 300"
+"""With wide multiplexers, which cost a sixth more LUTs and make ``fast`` close; and without."""
+
+BEFORE_LUTS, AFTER_LUTS = "synth_ecp5 -top top -run begin:map_luts", "synth_ecp5 -top top -run map_cells:"
+
+FAST_SYNTHESIS = f"""
+{BEFORE_LUTS}
+{FAST_LUTS}
+clean
+{AFTER_LUTS}
+"""
+"""For a design that is all of ``fast``."""
+
 SYNTHESIS = f"""
 setattr -mod -set keep_hierarchy 1 {FAST_MODULES}
-synth_ecp5 -top top -run begin:map_luts
-abc9 -W 300
+{BEFORE_LUTS}
+design -save unmapped
+delete top
+{FAST_LUTS}
+design -stash fast
+design -load unmapped
+blackbox {FAST_MODULES}
+{LUTS}
+design -copy-from fast {FAST_MODULES}
 setattr -mod -unset keep_hierarchy *
 flatten
 clean
-synth_ecp5 -top top -run map_cells:
+{AFTER_LUTS}
 """
-"""Wide multiplexers cost a sixth more LUTs, and make ``fast`` close."""
+"""For the controller.  The modules of ``fast`` and the rest are mapped as two designs: where abc9 has mapped once, it takes
+carry chains for unknown cells."""
 
 PLACE_AND_ROUTE = "--placer-heap-timingweight", "30", "--tmg-ripup"
 """Short critical paths over short wires.  On one netlist of the product, ``fast`` in MHz: 200.8 by default, 204.1 with the

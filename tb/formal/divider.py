@@ -24,21 +24,24 @@ def steps_left(m, inside, left, valid):
     high = Signal(24)
     count = Signal(33)
     m.d.comb += [
-        high.eq(Mux(inside._began, inside._start[8:], inside._high - inside._borrow)),
+        high.eq(Mux(inside._began, inside._start[8:], inside._high - inside._borrow - inside._due)),
         count.eq(Cat(inside._low, high)),
     ]
     counting = (inside._one == (count == 1)) & (left == count + inside._more)
     # The extra step itself is taken with the count at 0.
     extra = (inside._low == 0) & inside._one & ~inside._more & (left == 1)
-    # Only for 2 clocks after the low byte went below 0 is it not known that the rest is zero.
-    known = (inside._short == (high == 0)) | (~inside._short & ((inside._low == 255) | (inside._low == 254)
-                                                               & ~inside._borrow))
+    # Only for 3 clocks after the low byte went below 0 is it not known that the rest is zero.
+    recent = (inside._low == 255) | ((inside._low == 254) & ~inside._borrow) | (
+        (inside._low == 253) & ~inside._borrow & ~inside._due)
+    known = (inside._short == (high == 0)) | (~inside._short & recent)
     m.d.comb += [
         Assert(inside._start_one == (inside._start == 1)),
         Assert(inside._start_short == (inside._start[8:] == 0)),
         Assert(~valid | (inside.last == (left == 1))),
         Assert(~valid | extra | (counting & known & (count != 0))),
         Assert(~valid | ~inside._borrow | inside._began | (inside._low == 255)),
+        Assert(~valid | ~inside._due | inside._began | ((inside._low >= 254) & ~inside._borrow
+                                                       & (inside._less == inside._high - 1))),
     ]
 
 

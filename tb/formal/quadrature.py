@@ -56,6 +56,9 @@ class CountsEveryEdge(Proof):
         "the direction is that of the old level": ("down.eq(~(a.next ^", "down.eq(~(a.level ^"),
         "the polarity is ignored": (" ^ self.settings.invert", ""),
         "the index is taken at the falling edge": ("z.next & ~z.level", "~z.next & z.level"),
+        "the upper part is not borrowed from": ("Mux(down, low_zero, low_ones))", "low_ones)"),
+        "the upper part is borrowed from a step early": ("Mux(down, low == 1,", "Mux(down, low == 2,"),
+        "the upper part is carried to a step early": ("~low == 1", "~low == 2"),
         "the levels at reset make a step": ("(a.change ^ b.change) & ~settling[0]", "a.change ^ b.change"),
     }
 
@@ -103,7 +106,8 @@ class CountsEveryEdge(Proof):
         m.d.comb += self.lemmas(
             dut._wanted_off == (dut._wanted == 0), dut._samples_off == (dut._samples == 0),
             (start == 0) | (dut._wanted == samples), (start < 2) | (dut._samples == samples),
-            dut._errors_full == (errors == 65535))
+            dut._errors_full == (errors == 65535),
+            dut._low_zero == (count[:12] == 0), dut._low_ones == (count[:12] == 0xfff))
         for (level, run), inside in zip(believes, dut._filters):
             m.d.comb += self.lemmas(
                 inside.level == level,

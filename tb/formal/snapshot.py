@@ -7,25 +7,26 @@ from tb.formal.proof import Assert, Cover, Proof, one_clock
 
 
 class TimeRisesByOne(Proof):
-    """From a start a few clocks before the low word wraps, and inductively from any time."""
+    """From starts at the wrap of the low word and of its half, and inductively from any time."""
 
     block = "rtl.snapshot"
     depth = 3
     cover_depth = bug_depth = 8
     widths = "time 64"
     bugs = {
-        "the high word rises a clock late": ("low == LAST - 1", "low == LAST"),
+        "the high word rises a clock late": ("low[:16] == HALF - 1", "low[:16] == HALF"),
+        "the carry does not ask for the upper half": ("self._near & (low[:16]", "(low[:16]"),
         "no carry at reset": ("init=init & LAST == LAST", "init=0"),
     }
-    START = (6 << 32) - 1
+    STARTS = (6 << 32) - 1, (6 << 32) - 4, (5 << 32) + 0xfffd
 
     def harness(self, m, block):
-        m.submodules.dut = dut = one_clock(block.Timestamp(init=self.START), "fast")
-        time = Signal(64, init=self.START)
-        m.d.formal += time.eq(time + 1)
-        m.submodules.early = early = one_clock(block.Timestamp(init=self.START - 3), "fast")
-        m.d.comb += [
-            Assert(dut.time == time), Assert(early.time == (time - 3)[:64]),
-            *self.lemmas(*(t._carry == (t.time[:32] == 0xffff_ffff) for t in (dut, early))),
-            Cover(early.time == (6 << 32) + 1),
-        ]
+        for n, start in enumerate(self.STARTS):
+            m.submodules[f"dut{n}"] = dut = one_clock(block.Timestamp(init=start), "fast")
+            time = Signal(64, init=start, name=f"time{n}")
+            m.d.formal += time.eq(time + 1)
+            m.d.comb += [
+                Assert(dut.time == time),
+                *self.lemmas(dut._carry == (time[:32] == 0xffff_ffff), dut._near == ((time - 1)[16:32] == 0xffff)),
+            ]
+            m.d.comb += Cover(dut.time == start + 4)

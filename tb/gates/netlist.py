@@ -10,7 +10,7 @@ import re
 from itertools import count
 from pathlib import Path
 
-from soc.gateware import SYNTHESIS
+from soc.gateware import FAST_SYNTHESIS
 from tb import toolchain, verilated
 
 __all__ = ["MODELS", "build", "content_key", "mutants", "simulation", "synthesise", "write"]
@@ -28,10 +28,10 @@ def share():
 def synthesise(directory, read, *, top="dut"):
     """Write ``<top>.netlist.v`` in ``directory``, the ECP5 netlist of ``top``, and return its path.
 
-    ``read``: yosys commands that read the design; files relative to ``directory``.  The script is that of the boards,
-    :data:`soc.gateware.SYNTHESIS`, whose design is called ``top``.
+    ``read``: yosys commands that read the design; files relative to ``directory``.  The script is that
+    of the boards' modules of ``fast``, :data:`soc.gateware.FAST_SYNTHESIS`, whose design is called ``top``.
     """
-    return write(directory, f"{read}; hierarchy -top {top}; rename {top} top; {SYNTHESIS}", top=top)
+    return write(directory, f"{read}; hierarchy -top {top}; rename {top} top; {FAST_SYNTHESIS}", top=top)
 
 
 def write(directory, commands, *, top="dut"):
@@ -48,7 +48,7 @@ def write(directory, commands, *, top="dut"):
 def content_key(*parts):
     """Names a simulation by what goes into it: ``parts``, and all that this module adds."""
     library = [share() / name for name in ("common_sim.vh", "ccu2c_sim.vh")]
-    return "gates-" + toolchain.content_key(*parts, SYNTHESIS, Path(__file__), Path(verilated.__file__),
+    return "gates-" + toolchain.content_key(*parts, FAST_SYNTHESIS, Path(__file__), Path(verilated.__file__),
                                             *MODELS, PLL, *library)
 
 
