@@ -37,6 +37,9 @@ static int64_t fixed(const struct sketch *s, double value, int bits)
     return llround(ldexp(s->side < 0.0 ? -value : value, bits));
 }
 
+/* Longer than anything lasts, and what a plan's ticks add up to still fits: a way at 1e-99 counts a tick. */
+static const double LAST_TICK = 0x1p62;
+
 /* Add a stretch of motion, and sample it as a segment if at least one tick falls into it. */
 static void stretch(struct sketch *s, double acceleration, double jerk, double duration)
 {
@@ -53,7 +56,7 @@ static void stretch(struct sketch *s, double acceleration, double jerk, double d
     if (jerk != 0.0)
         acceleration += jerk * late;
     seg = &s->plan->segment[s->plan->segment_count++];
-    seg->ticks = (uint64_t)(after - first);
+    seg->ticks = (uint64_t)fmin(after - first, LAST_TICK);
     seg->position_q32 = s->origin_q32 + fixed(s, at.position, 32);
     seg->step_q48 = fixed(s, at.velocity + (acceleration / 2.0 + jerk / 6.0), 48);
     seg->change_q48 = fixed(s, acceleration + jerk, 48);

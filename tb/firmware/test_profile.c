@@ -243,6 +243,16 @@ TEST(has_no_slowest_speed)
     CHECK(fabs((double)profile_ticks(&p) - (3 / speed + 250)) < 2);
 }
 
+TEST(a_speed_that_is_none_lasts_for_ever)
+{
+    struct trial t = {.start = point(5, 0), .speed = 1e-99, .acceleration = 1e-3, .target_q32 = INT64_C(9) << 32};
+    struct profile_plan p;
+
+    plan(&p, &t);
+    CHECK(profile_ticks(&p) > INT64_MAX / 2);
+    CHECK(profile_at(&p, UINT64_C(1) << 61).position_q32 == t.start.position_q32);
+}
+
 TEST(is_predicted_to_the_thousandth_of_a_count)
 {
     srand(5);
@@ -443,6 +453,7 @@ TEST_MAIN(RUN(ends_on_its_target_at_rest);
           RUN(is_at_each_tick_where_the_laws_of_motion_have_it);
           RUN(cruises_at_exactly_the_speed_asked_for);
           RUN(has_no_slowest_speed);
+          RUN(a_speed_that_is_none_lasts_for_ever);
           RUN(is_predicted_to_the_thousandth_of_a_count);
           RUN(replaces_a_motion_without_a_jump);
           RUN(stops_on_a_whole_count_within_the_acceleration);
