@@ -96,16 +96,19 @@ static uint32_t plan(unsigned axis, uint64_t tick)
     struct motion *m = &motions[axis];
     struct profile_plan *made = axis_plan(axis);
     double speed_per_tick = m->move.speed_counts_per_s * (AXIS_TICK_US * 1e-6);
-    struct profile_bounds bounds = {
-        .speed = speed_per_tick,
-        .acceleration = speed_per_tick / tuning_ticks(m->move.ramp_ms),
-        .jerk_ticks = m->stopping ? 0.0 : tuning_jerk_ticks(axis),
-    };
+    double ramp_ms = m->stopping ? TUNING_BRAKE_MS : tuning_ramp_ms(axis);
     int32_t target_counts = m->leg < m->move.via_count ? m->move.via_counts[m->leg]
                                                        : m->move.target_counts;
     int64_t target_q32 = (int64_t)target_counts * (INT64_C(1) << 32);
     uint32_t generation;
     struct profile_point start = axis_predict(axis, tick, &generation);
+    struct profile_bounds bounds = {
+        .speed = speed_per_tick,
+        /* SPEED or the scale may have become less under way: it takes no longer to brake. */
+        .acceleration = fmax(speed_per_tick / tuning_ticks(m->move.ramp_ms),
+                             fabs((double)start.velocity_q48) / 0x1p48 / tuning_ticks(ramp_ms)),
+        .jerk_ticks = m->stopping ? 0.0 : tuning_jerk_ticks(axis),
+    };
 
     if (m->stopping) {
         target_q32 = profile_stop_q32(&start, &bounds);
@@ -175,11 +178,6 @@ void motion_start(const struct motion_move *moves, unsigned count)
     }
 }
 
-static double speed_counts_per_s(const struct axis_view *view)
-{
-    return fabs((double)view->setpoint.velocity_q48) / (0x1p48 * AXIS_TICK_US * 1e-6);
-}
-
 void motion_stop(unsigned axes)
 {
     unsigned moving = 0;
@@ -200,9 +198,7 @@ void motion_stop(unsigned axes)
         if ((m->stopping && view.planned) || (!view.planned && !view.commanded))
             continue;
         m->stopping = true;
-        /* Faster than the fastest: the scale (CNTS, SCREW) has changed under way. */
-        m->move.speed_counts_per_s =
-            fmax(tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis)), speed_counts_per_s(&view));
+        m->move.speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis));
         m->move.ramp_ms = TUNING_BRAKE_MS;
         moving |= MOTION_AXIS(axis);
     }

