@@ -2,16 +2,16 @@
 """Commands without a pause into a controller's serial line, and the judgement of what comes back.
 
 A round: all axes at rest at known places; F begins to creep; then commands, pipelined; then HALT, moves to known places,
-and a look whether the axes are there.  As many commands are under way as the controller's queue holds (docs/decisions.md), so
-that one direction of the line is always busy: which share of it, is measured on the controller's own clock, which is F's way.
+and a look whether the axes are there.  As many commands are under way as the controller's queue holds (core/console.h), so that
+one direction of the line is always busy: which share of it, is measured on the controller's own clock, which is F's way.
 """
 
 import select
 import time
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from tb.soak.stream import CREEP_MM_S, DONE, Command, Host
+from tb.soak.stream import CREEP_MM_S, DONE, Host
 
 ROUND = 10_000              # commands
 WINDOW = 768                # bytes sent and not answered; the controller queues 1024
@@ -31,7 +31,7 @@ class Figures:
     sent: int = 0               # bytes
     received: int = 0
     controller_s: float = 0     # while commands are pipelined
-    real_s: float = field(default=0)
+    real_s: float = 0
 
     def __str__(self):
         line = LINE_BYTES_S * self.controller_s
@@ -156,7 +156,7 @@ def soak(connection, count, *, seed=1, progress=lambda figures: None):
         prepare(line, host)
         sent, received = line.sent, line.received
         from_mm = place(line, "F") / 1e4
-        pipeline(line, iter_commands(host, number))
+        pipeline(line, (host.next() for _ in range(number)))
         figures.controller_s += (place(line, "F") / 1e4 - from_mm) / CREEP_MM_S
         figures.commands += number
         figures.sent += line.sent - sent
@@ -165,11 +165,3 @@ def soak(connection, count, *, seed=1, progress=lambda figures: None):
         conclude(line, host)
         progress(figures)
     return figures
-
-
-def iter_commands(host, number):
-    for _ in range(number):
-        yield host.next()
-
-
-__all__ = ["Command", "Figures", "Wrong", "soak"]
