@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Back end of the settings: RAM. Entries are found by linear search; saving is not in a hurry. */
+/* Back end of the settings: RAM. All values are read and written in the order they were kept in. */
 #include "core/settings.h"
 
 static uint32_t keys[SETTINGS_MAX];
 static double values[SETTINGS_MAX];
 static unsigned used;
 
-/* Number of a key's entry; `used`: there is none. */
+/* Number of a key's entry; `used`: there is none. Looked for from behind the last one found on. */
 static unsigned find(uint32_t key)
 {
-    unsigned n = 0;
+    static unsigned next;
 
-    while (n < used && keys[n] != key)
-        n++;
-    return n;
+    for (unsigned tried = 0; tried < used; tried++) {
+        unsigned n = next < used ? next : 0;
+
+        next = n + 1;
+        if (keys[n] == key)
+            return n;
+    }
+    return used;
 }
 
 static bool ram_read(uint32_t key, double *value)
