@@ -9,10 +9,10 @@
 #include "modules/limits.h"
 #include "modules/tuning.h"
 
-/* Ticks between planning and the start of a plan, for each axis planned: 1.5 ms; a plan takes up to
- * 0.9 ms of the target's processor. When it was late all the same, the next one gets twice the
- * time. */
-#define LEAD_TICKS (1500u / AXIS_TICK_US)
+/* Ticks between planning and the start of a plan, for each axis planned, when some of them move:
+ * 2.5 ms; a plan takes up to 2 ms of the target's processor. When it was late all the same, the next
+ * one gets twice the time. */
+#define LEAD_TICKS (2500u / AXIS_TICK_US)
 #define LEAD_TICKS_LATE (2u * LEAD_TICKS)
 
 /* What the main loop knows of an axis. The rest is in axis.h. */
@@ -118,21 +118,40 @@ static uint32_t plan(unsigned axis, uint64_t tick)
     return generation;
 }
 
-/* Make the plans of some axes and hand them over, all to begin at one tick. */
+static bool any_moves(unsigned axes)
+{
+    struct axis_view view;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if ((axes & MOTION_AXIS(axis)) == 0)
+            continue;
+        axis_read(axis, &view);
+        if (view.planned)
+            return true;
+    }
+    return false;
+}
+
+/* Make the plans of some axes and hand them over, all to begin at one tick: if they all rest, as soon
+ * as the plans are made; else at one for which it can be said where they will be. */
 static void launch(unsigned axes, unsigned lead_ticks)
 {
     uint32_t generations[AXIS_COUNT];
     uint64_t tick;
+    bool moving;
 
     if (axes == 0)
         return;
+    moving = any_moves(axes);
     tick = axis_ticks() + 1;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((axes & MOTION_AXIS(axis)) != 0)
+        if ((axes & MOTION_AXIS(axis)) != 0 && moving)
             tick += lead_ticks;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
             generations[axis] = plan(axis, tick);
+    if (!moving)
+        tick = axis_ticks() + 2;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
             axis_hand_over(axis, generations[axis], tick,
@@ -180,8 +199,6 @@ void motion_start(const struct motion_move *moves, unsigned count)
 
 void motion_stop(unsigned axes)
 {
-    unsigned moving = 0;
-
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         struct motion *m = &motions[axis];
         struct axis_view view;
@@ -200,9 +217,8 @@ void motion_stop(unsigned axes)
         m->stopping = true;
         m->move.speed_counts_per_s = tuning_counts_per_s(axis, tuning_speed_max_mm_per_s(axis));
         m->move.ramp_ms = TUNING_BRAKE_MS;
-        moving |= MOTION_AXIS(axis);
+        launch(MOTION_AXIS(axis), LEAD_TICKS); /* none waits for the others */
     }
-    launch(moving, LEAD_TICKS);
 }
 
 bool motion_halt(void)

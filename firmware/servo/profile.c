@@ -18,7 +18,7 @@ static double way(double velocity, double acceleration, double jerk, double t)
     double half = acceleration / 2.0;
 
     if (jerk != 0.0)
-        half += t * (jerk / 6.0);
+        half += t * (jerk * (1.0 / 6.0));
     return t * (half != 0.0 ? velocity + t * half : velocity);
 }
 
@@ -58,7 +58,7 @@ static void stretch(struct sketch *s, double acceleration, double jerk, double d
     seg = &s->plan->segment[s->plan->segment_count++];
     seg->ticks = (uint64_t)fmin(after - first, LAST_TICK);
     seg->position_q32 = s->origin_q32 + fixed(s, at.position, 32);
-    seg->step_q48 = fixed(s, at.velocity + (acceleration / 2.0 + jerk / 6.0), 48);
+    seg->step_q48 = fixed(s, at.velocity + (acceleration / 2.0 + jerk * (1.0 / 6.0)), 48);
     seg->change_q48 = fixed(s, acceleration + jerk, 48);
     seg->jerk_q48 = fixed(s, jerk, 48);
     /* A cruise is exact: the interrupt adds the upper 32 fraction bits of a step. */
@@ -66,27 +66,40 @@ static void stretch(struct sketch *s, double acceleration, double jerk, double d
         seg->step_q48 = fixed(s, at.velocity, 32) * 65536;
 }
 
-/* Time of a change of speed, and its way: half of it at either speed, whatever the jerk. */
-static double change_ticks(const struct profile_bounds *b, double difference)
+/* Bounds, and what is asked of them more than once. */
+struct limits {
+    double speed, acceleration, jerk_ticks;
+    double ticks_per_speed; /* 1 / acceleration */
+};
+
+static struct limits limits_of(const struct profile_bounds *bounds)
 {
-    return difference == 0.0 ? 0.0 : fabs(difference) / b->acceleration + b->jerk_ticks;
+    return (struct limits){bounds->speed, bounds->acceleration, bounds->jerk_ticks,
+                           1.0 / bounds->acceleration};
 }
 
-static double change_way(const struct profile_bounds *b, double from, double to)
+/* Time of a change of speed, and its way: half of it at either speed, whatever the jerk. */
+static double change_ticks(const struct limits *b, double difference)
+{
+    return difference == 0.0 ? 0.0 : fabs(difference) * b->ticks_per_speed + b->jerk_ticks;
+}
+
+static double change_way(const struct limits *b, double from, double to)
 {
     return 0.5 * (from + to) * change_ticks(b, to - from);
 }
 
 /* Acceleration is a step convolved with a box of jerk_ticks: a trapezoid of two equal slopes. */
-static void change_speed(struct sketch *s, const struct profile_bounds *b, double to)
+static void change_speed(struct sketch *s, const struct limits *b, double to)
 {
     double difference = to - s->velocity;
-    double ramp = fabs(difference) / b->acceleration;
+    double ramp = fabs(difference) * b->ticks_per_speed;
     double slope = fmin(ramp, b->jerk_ticks), level = fmax(ramp, b->jerk_ticks);
-    double acceleration = level > 0.0 ? difference / level : 0.0;
+    double acceleration;
 
     if (difference == 0.0)
         return;
+    acceleration = level == ramp ? copysign(b->acceleration, difference) : difference / level;
     if (slope > 0.0)
         stretch(s, 0.0, acceleration / slope, slope);
     stretch(s, acceleration, 0.0, level - slope);
@@ -96,11 +109,16 @@ static void change_speed(struct sketch *s, const struct profile_bounds *b, doubl
 }
 
 /* Cruise speed of the motion from velocity u over a distance that suffices to brake from u. */
-static double peak(const struct profile_bounds *b, double u, double distance)
+static double peak(const struct limits *b, double u, double distance)
 {
-    double c = distance + u * u / (2.0 * b->acceleration) - u * b->jerk_ticks / 2.0;
-    double root = sqrt(b->jerk_ticks * b->jerk_ticks + 4.0 * fmax(0.0, c) / b->acceleration);
-    double p = root > 0.0 ? fmin(b->speed, 2.0 * fmax(0.0, c) / (b->jerk_ticks + root)) : 0.0;
+    double c, root, p;
+
+    /* Mostly the way is long enough for full speed. */
+    if (u <= b->speed && change_way(b, u, b->speed) + change_way(b, b->speed, 0.0) <= distance)
+        return b->speed;
+    c = fmax(0.0, distance + u * (u / b->acceleration - b->jerk_ticks) / 2.0);
+    root = sqrt(b->jerk_ticks * b->jerk_ticks + 4.0 * c / b->acceleration);
+    p = root > 0.0 ? fmin(b->speed, 2.0 * c / (b->jerk_ticks + root)) : 0.0;
 
     /* Between the speeds it takes no change to keep, and those that the way is too short to reach. */
     if (b->jerk_ticks > 0.0 && u > 0.0 &&
@@ -114,7 +132,8 @@ void profile_plan_move(struct profile_plan *plan, const struct profile_point *st
 {
     double u = ldexp((double)start->velocity_q48, -48);
     double distance = ldexp((double)(target_q32 - start->position_q32), -32);
-    double stop = change_way(bounds, u, 0.0), cruise_way, p;
+    struct limits limits = limits_of(bounds);
+    double stop = change_way(&limits, u, 0.0), cruise_way, p;
     struct sketch s = {.plan = plan, .origin_q32 = start->position_q32};
 
     plan->segment_count = 0;
@@ -128,19 +147,20 @@ void profile_plan_move(struct profile_plan *plan, const struct profile_point *st
     distance *= s.side;
     u *= s.side;
     s.velocity = u;
-    p = peak(bounds, u, distance);
-    change_speed(&s, bounds, p);
+    p = peak(&limits, u, distance);
+    change_speed(&s, &limits, p);
     /* Rounding must not make a cruise of negative length. */
-    cruise_way = distance - s.position - change_way(bounds, p, 0.0);
+    cruise_way = distance - s.position - change_way(&limits, p, 0.0);
     if (p > 0.0 && cruise_way > 0.0)
         stretch(&s, 0.0, 0.0, cruise_way / p);
-    change_speed(&s, bounds, 0.0);
+    change_speed(&s, &limits, 0.0);
 }
 
 int64_t profile_stop_q32(const struct profile_point *start, const struct profile_bounds *bounds)
 {
     double u = ldexp((double)start->velocity_q48, -48);
-    double counts = ldexp((double)start->position_q32, -32) + change_way(bounds, u, 0.0);
+    struct limits limits = limits_of(bounds);
+    double counts = ldexp((double)start->position_q32, -32) + change_way(&limits, u, 0.0);
 
     if (u > 0.0)
         counts = ceil(counts);
