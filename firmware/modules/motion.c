@@ -286,7 +286,7 @@ bool motion_in_position(unsigned axis)
         axis_handover(axis) != AXIS_HANDOVER_NONE)
         return false;
     axis_read(axis, &view);
-    return view.mode == LOOP_IDLE && !view.commanded;
+    return (view.mode == LOOP_IDLE || view.mode == LOOP_HOLD) && !view.commanded;
 }
 
 int32_t motion_position_counts(unsigned axis)

@@ -281,6 +281,18 @@ TEST(a_lower_speed_under_way_is_reached_within_the_ramp)
     CHECK_BETWEEN(turned - closed_loop_position(0), 0.2 * 0.01 * 45396 - 5, 0.2 * 0.01 * 45396 + 5);
 }
 
+/* MAINTAIN 2: what waits for it to arrive does not wait for it to let go, which it never does. */
+TEST(an_axis_that_stays_on_has_arrived)
+{
+    closed_loop_start(NULL);
+    SEND("MA X=2");
+    SEND("M X=1000");
+    CHECK(!motion_in_position(0));
+    CHECK(closed_loop_wait(5000) > 0);
+    CHECK(motion_in_position(0));
+    CHECK_TEXT(closed_loop_ask("SP", 500), ":A \r\n");
+}
+
 TEST(a_new_move_replaces_the_old_one_at_once)
 {
     closed_loop_start(NULL);
@@ -318,5 +330,6 @@ TEST_MAIN(RUN(nine_millimetres_in_well_under_the_original_time);
           RUN(halt_stops_within_its_braking_distance);
           RUN(halt_stops_as_soon_when_the_scale_has_changed_under_way);
           RUN(a_lower_speed_under_way_is_reached_within_the_ramp);
+          RUN(an_axis_that_stays_on_has_arrived);
           RUN(a_new_move_replaces_the_old_one_at_once);
           RUN(a_push_beyond_the_drift_error_is_corrected))
