@@ -86,7 +86,7 @@ PHASES = {
 
 
 class TimingMissed(Exception):
-    """Some clock does not reach its frequency; the message says which, and where."""
+    """Some clock does not reach its frequency, or a crossing takes too long; the message says which, and where."""
 
 
 def boards():
@@ -298,7 +298,7 @@ class Flow:
         """
         result = self.report(seed)
         final = self.directory / "abbe.bit"
-        missed = [name for name, slack in result["slack_ns"].items() if slack < 0]
+        missed = reporting.missed(result)
         if missed and not allow_miss:
             final.unlink(missing_ok=True)
             self._write(result)

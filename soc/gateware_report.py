@@ -5,7 +5,7 @@ import re
 
 from soc.top import CLOCK_HZ, FAST_CLOCK_HZ
 
-__all__ = ["DOMAINS", "crossings_ns", "domain", "frequencies", "part", "path", "pins_ns", "summary", "use"]
+__all__ = ["DOMAINS", "crossings_ns", "domain", "frequencies", "missed", "part", "path", "pins_ns", "summary", "use"]
 
 DOMAINS = {"fast": FAST_CLOCK_HZ / 1e6, "sync": CLOCK_HZ / 1e6}
 """Clock domains of the controller, and the MHz that the PLL's settings ask of them; no two are equal."""
@@ -79,6 +79,15 @@ def pins_ns(report):
             if paths := _paths(report, start, end):
                 result[f"{start} to {end}"] = max(map(_delay, paths))
     return result
+
+
+def missed(result):
+    """What is too slow of a report as :mod:`soc.gateware` writes it: names of domains and of crossings.
+
+    A crossing's payload is still for two clocks of its reader before it is read (:mod:`rtl.crossing`).
+    """
+    return [*(name for name, slack in result["slack_ns"].items() if slack < 0),
+            *(way for way, ns in result["crossings_ns"].items() if ns >= 2 * 1000 / DOMAINS[way.split()[-1]])]
 
 
 def part(cell):

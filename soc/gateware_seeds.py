@@ -25,15 +25,11 @@ def table(reports):
     lines = ["seed  " + "  ".join(f"{name:>5} MHz    slack" for name in names) + "  crossing"]
     for r in reports:
         cells = "  ".join(f"{r['fmax_mhz'][name]:9.1f}  {r['slack_ns'][name]:+4.2f} ns" for name in names)
-        lines.append(f"{r['seed']:4}  {cells}  {r['crossing_ns_max']:5.2f} ns{'  MISSED' * missed(r)}")
+        lines.append(f"{r['seed']:4}  {cells}  {r['crossing_ns_max']:5.2f} ns{'  MISSED' * bool(reporting.missed(r))}")
     for name in names:
         worst, wanted = min(r["fmax_mhz"][name] for r in reports), reports[0]["wanted_mhz"][name]
         lines.append(f"{name}: at least {worst:.1f} MHz of {wanted:.0f}, {100 * (worst / wanted - 1):+.1f} %")
     return "\n".join(lines)
-
-
-def missed(report):
-    return any(slack < 0 for slack in report["slack_ns"].values())
 
 
 def main():
@@ -48,7 +44,7 @@ def main():
         reports = list(pool.map(lambda seed: flow(seed).report(seed), SEEDS))
     (toolchain.BUILD / board.name / "seeds.json").write_text(json.dumps(reports, indent=1) + "\n")
     print(table(reports))
-    if any(map(missed, reports)):
+    if any(map(reporting.missed, reports)):
         raise SystemExit("timing missed")
 
 

@@ -85,12 +85,21 @@ def test_a_cell_belongs_to(cell, name):
 
 def seed(number, fast_mhz, sync_mhz):
     return {"seed": number, "fmax_mhz": {"fast": fast_mhz, "sync": sync_mhz}, "wanted_mhz": {"fast": 200.0, "sync": 50.0},
-            "slack_ns": {"fast": 5 - 1000 / fast_mhz, "sync": 20 - 1000 / sync_mhz}, "crossing_ns_max": 3.0}
+            "slack_ns": {"fast": 5 - 1000 / fast_mhz, "sync": 20 - 1000 / sync_mhz}, "crossing_ns_max": 3.0,
+            "crossings_ns": {"sync to fast": 1.0, "fast to sync": 3.0}}
+
+
+@pytest.mark.parametrize("way, longest", [("sync to fast", 10), ("fast to sync", 40)])
+def test_a_crossing_longer_than_its_payload_is_still_is_a_miss(way, longest):
+    """Two clocks of the reader: 5 ns or 20 ns each."""
+    for ns, missed in (longest - 0.01, []), (longest, [way]):
+        assert reporting.missed(report := seed(1, 210.0, 60.0) | {"crossings_ns": {way: ns}}) == missed
+        assert ("MISSED" in gateware_seeds.table([report])) == bool(missed)
 
 
 def test_the_table_of_seeds_names_the_one_that_misses():
     reports = [seed(1, 210.0, 60.0), seed(2, 198.0, 70.0), seed(3, 220.0, 55.0)]
-    assert [gateware_seeds.missed(r) for r in reports] == [False, True, False]
+    assert [reporting.missed(r) for r in reports] == [[], ["fast"], []]
     table = gateware_seeds.table(reports).splitlines()
     assert [line.split()[0] for line in table if "MISSED" in line] == ["2"]
     assert table[-2:] == ["fast: at least 198.0 MHz of 200, -1.0 %", "sync: at least 55.0 MHz of 50, +10.0 %"]
