@@ -103,7 +103,7 @@ pins: $(READY) ## Pins of every board: checked, and docs/boards/*-pins.* drawn f
 firmware: $(READY) ## The firmware image for the soft core
 	@$(MAKE) --no-print-directory -C firmware
 
-board = @test -n "$(BOARD)" || { echo "usage: make $@ BOARD=ulx3s-85f"; exit 2; }
+board = @test -n "$(BOARD)" || { echo "usage: make $(firstword $(MAKECMDGOALS)) BOARD=ulx3s-85f"; exit 2; }
 
 gateware: $(READY) gen ## A board's bitstream with its report: make gateware BOARD=ulx3s-85f [SEED=1] [ALLOW_MISS=1]
 	$(board)
@@ -113,12 +113,15 @@ gateware-seeds: $(READY) gen ## Timing of a board with five seeds: make gateware
 	$(board)
 	@$(PYTHON) -m soc.gateware_seeds $(BOARD)
 
-flash: gateware ## Write a board's flash, which it loads at power-up: make flash BOARD=ulx3s-85f
+loader: $(READY)
+	$(board)
+	@$(PYTHON) -m soc.programmer $(BOARD) check
 	@command -v openFPGALoader >/dev/null || host/setup.sh openfpgaloader
+
+flash: loader gateware ## Write a board's flash, which it loads at power-up: make flash BOARD=ulx3s-85f
 	@$(PYTHON) -m soc.programmer $(BOARD) flash
 
-program: gateware ## Load a board until power-off: make program BOARD=ulx3s-85f
-	@command -v openFPGALoader >/dev/null || host/setup.sh openfpgaloader
+program: loader gateware ## Load a board until power-off: make program BOARD=ulx3s-85f
 	@$(PYTHON) -m soc.programmer $(BOARD) program
 
 clean: ## Remove everything built (keeps the tools)
@@ -127,4 +130,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal lint gen pins firmware gateware gateware-seeds flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal lint gen pins firmware gateware gateware-seeds loader flash program clean distclean

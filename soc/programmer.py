@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""``python -m soc.programmer BOARD flash|program``: send ``build/<board>/abbe.bit`` to a board, by openFPGALoader.
+"""``python -m soc.programmer BOARD flash|program|check``: send ``build/<board>/abbe.bit`` to a board, by openFPGALoader.
 
 ``flash`` writes the configuration flash, which the FPGA loads at power-up; ``program`` the FPGA, until power-off.
+``check`` sends nothing and says, before anything is built, if a board can never be sent to.
 """
 
 import argparse
@@ -10,6 +11,7 @@ import json
 import subprocess
 
 from soc import gateware
+from soc.top import REGIONS
 from tb import toolchain
 
 __all__ = ["explain", "main"]
@@ -34,6 +36,15 @@ def explain(text):
                 "openFPGALoader failed; what it said is above")
 
 
+def check(board):
+    """Exits if no bitstream of this board can be sent, or would run."""
+    if board.programmer is None:
+        raise SystemExit(f"openFPGALoader does not know the board {board.name}")
+    if board.ram_bytes < REGIONS[-1].size:
+        raise SystemExit(f"{board.name} is a check of area and timing, this does not run: firmware is linked for "
+                         f"{REGIONS[-1].size >> 10} KiB of RAM and there are {board.ram_bytes >> 10}")
+
+
 def bitstream(board, directory):
     """The bitstream's path.  Exits unless it is that of the report beside it and made to run."""
     path, report = directory / "abbe.bit", directory / "report.json"
@@ -56,11 +67,12 @@ def command(board, path, way):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("board", help=", ".join(sorted(gateware.boards())))
-    parser.add_argument("way", choices=["flash", "program"])
+    parser.add_argument("way", choices=["flash", "program", "check"])
     options = parser.parse_args()
     board = gateware.board(options.board)
-    if board.programmer is None:
-        raise SystemExit(f"openFPGALoader does not know the board {board.name}")
+    check(board)
+    if options.way == "check":
+        return
     path = bitstream(board, toolchain.BUILD / board.name)
     try:
         print(f"{TOOL} {version()} (tested: {TESTED})", flush=True)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from soc import programmer
+from soc import gateware, programmer
 
 BOARD = SimpleNamespace(name="made-up", programmer="ulx3s")
 
@@ -30,6 +30,23 @@ def test_the_bitstream_sent_is_that_of_the_report(tmp_path):
     write(tmp_path, runs=False, memory="too little of it")
     with pytest.raises(SystemExit, match="not sent: too little of it"):
         programmer.bitstream(BOARD, tmp_path)
+
+
+@pytest.mark.parametrize("name, programmer_name, said", [
+    ("ulx3s-25f", "ulx3s", "256 KiB of RAM and there are 64"), ("ulx3s-85f", None, "does not know the board ulx3s-85f")])
+def test_a_board_that_can_never_be_sent_to_is_refused_before_anything_is_built(monkeypatch, name, programmer_name, said):
+    monkeypatch.setattr(gateware.board(name), "programmer", programmer_name)
+    monkeypatch.setattr(programmer, "bitstream", lambda *arguments: pytest.fail("looked for a bitstream"))
+    for way in "check", "flash", "program":
+        monkeypatch.setattr("sys.argv", ["programmer", name, way])
+        with pytest.raises(SystemExit, match=said):
+            programmer.main()
+
+
+def test_the_product_passes_the_check_that_sends_nothing(monkeypatch):
+    monkeypatch.setattr(programmer.subprocess, "run", lambda *arguments, **options: pytest.fail("sent"))
+    monkeypatch.setattr("sys.argv", ["programmer", "ulx3s-85f", "check"])
+    programmer.main()
 
 
 @pytest.mark.parametrize("said, sentence", [
