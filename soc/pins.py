@@ -199,11 +199,11 @@ def ports(board):
 
 def main():
     from soc.pins_page import files
-    from soc.pins_rules import Case, check
+    from soc.pins_rules import RULES, Case, check
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--check", action="store_true", help="write nothing; fail if a committed page is stale")
     arguments = parser.parse_args()
-    failures = []
+    failures, kept = [], []
     for board_file in boards():
         constraints = parse(board_file.text)
         case = Case(constraints, ports={board.name: ports(board) for board in board_file.boards},
@@ -219,8 +219,11 @@ def main():
             else:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(text)
+        kept.append(f"{board_file.path.relative_to(ROOT)}: {len(constraints.pins)} pins keep all {len(RULES)} rules, for "
+                    + ", ".join(board.name for board in board_file.boards))
     if failures:
         raise SystemExit("\n".join(failures))
+    print("\n".join(kept))
 
 
 if __name__ == "__main__":
