@@ -115,17 +115,6 @@ void settings_keep(const struct parameter *parameter, unsigned axis)
         (void)settings_write(settings_key(parameter, axis), parameter->value[axis]);
 }
 
-static bool keep_place(const struct parameter *row, unsigned axis)
-{
-    return !is_kept(row, SAVED_AT_ONCE) ||
-           store->write(settings_key(row, axis), parameter_value(row, axis));
-}
-
-bool settings_keep_places(void)
-{
-    return for_each(keep_place) && store->commit();
-}
-
 bool settings_save(void)
 {
     return for_each(save) && settings_write(KEY_FACTORY, 0);

@@ -6,7 +6,8 @@
  * firmware with other rows. SS Z keeps the class SAVED_BY_SS, and from then on they are the values
  * at a start. SS X lets the next starts use initial values instead, what is kept being left alone;
  * SS Y takes that back and loads what is kept; an SS Z keeps anew. The class SAVED_AT_ONCE is kept
- * whenever it is set, is loaded at every start, and SS has nothing to do with it.
+ * whenever it is set, is loaded at every start, and SS has nothing to do with it. A row of that class
+ * without a `value` is kept and loaded by its module, which keeps another form of it (places).
  *
  * The back end here is RAM: it outlives a software reset, not the power.
  */
@@ -40,9 +41,6 @@ void settings_init(const struct settings_store *store);
 
 /** Keep one value now: parameters of class SAVED_AT_ONCE, called by the dispatcher. */
 void settings_keep(const struct parameter *parameter, unsigned axis);
-
-/** Keep all of class SAVED_AT_ONCE as queries would print them now. False: not kept. */
-bool settings_keep_places(void);
 
 /** Give every parameter its initial value, then what is kept. Start-up and RESET. */
 void settings_load(void);

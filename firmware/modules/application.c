@@ -15,7 +15,6 @@
 #include "modules/axis.h"
 #include "modules/coordinates.h"
 #include "modules/inputs.h"
-#include "modules/limits.h"
 #include "modules/modules.h"
 #include "modules/save_positions.h"
 
@@ -47,7 +46,6 @@ static void start(bool power_up)
     }
     if (power_up)
         save_positions_restore();
-    limits_open();
     settings_load();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->init != NULL)

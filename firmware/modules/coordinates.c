@@ -74,14 +74,24 @@ static double mm_sign(unsigned axis)
     return coordinates_mirrored(axis) ? -1.0 : 1.0;
 }
 
+int32_t coordinates_stage_mm_to_counts(unsigned axis, double mm)
+{
+    return whole(origin_counts[axis] + mm * counts_per_mm[axis]);
+}
+
+double coordinates_counts_to_stage_mm(unsigned axis, int32_t counts)
+{
+    return ((double)counts - origin_counts[axis]) / counts_per_mm[axis];
+}
+
 int32_t coordinates_mm_to_counts(unsigned axis, double mm)
 {
-    return whole(origin_counts[axis] + mm_sign(axis) * mm * counts_per_mm[axis]);
+    return coordinates_stage_mm_to_counts(axis, mm_sign(axis) * mm);
 }
 
 double coordinates_counts_to_mm(unsigned axis, int32_t counts)
 {
-    return mm_sign(axis) * ((double)counts - origin_counts[axis]) / counts_per_mm[axis];
+    return mm_sign(axis) * coordinates_counts_to_stage_mm(axis, counts);
 }
 
 void coordinates_name(unsigned axis, int32_t counts, double user)

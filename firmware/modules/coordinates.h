@@ -48,6 +48,13 @@ int32_t coordinates_distance_to_counts(unsigned axis, double user);
 double coordinates_counts_to_user(unsigned axis, int32_t counts);
 double coordinates_counts_to_mm(unsigned axis, int32_t counts);
 
+/**
+ * Mm from the user's 0 in the direction of the counts, whatever UM and the switches make of it: what
+ * the settings store keeps of a place. Another start may mirror the axis otherwise, or not yet.
+ */
+double coordinates_counts_to_stage_mm(unsigned axis, int32_t counts);
+int32_t coordinates_stage_mm_to_counts(unsigned axis, double mm);
+
 /** Let a count be 0 for the user. Start-up and RESET; before the settings are loaded. */
 void coordinates_set_origin(unsigned axis, int32_t counts);
 

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "core/settings.h"
 #include "modules/coordinates.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
@@ -16,7 +17,6 @@
 static const struct motion_owner owner = {.name = "home", .busy = true, .letter = 'B'};
 
 static int32_t home_counts[AXIS_COUNT]; /* a place of the stage: HERE and ZERO do not shift it */
-static double home_mm[AXIS_COUNT];      /* as it was set, for the settings store */
 
 static enum status home(const struct request *request, struct reply *reply)
 {
@@ -32,6 +32,38 @@ static enum status home(const struct request *request, struct reply *reply)
     return move_to(&owner, axes, targets) ? STATUS_OK : STATUS_FAILED;
 }
 
+/* Kept in stage mm. */
+static uint32_t key_of(unsigned axis)
+{
+    return settings_key_of("SETHOME", AXIS_LETTERS[axis]);
+}
+
+static bool keep(unsigned axis)
+{
+    return settings_write(key_of(axis), coordinates_counts_to_stage_mm(axis, home_counts[axis]));
+}
+
+bool home_keep(void)
+{
+    bool kept = true;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        kept &= keep(axis);
+    return kept;
+}
+
+/* After the settings, as these scale. */
+static void init(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        double mm;
+
+        if (!settings_read(key_of(axis), &mm))
+            mm = DEFAULT_MM;
+        home_counts[axis] = coordinates_stage_mm_to_counts(axis, mm);
+    }
+}
+
 static double get(unsigned axis)
 {
     return coordinates_counts_to_mm(axis, home_counts[axis]);
@@ -40,6 +72,7 @@ static double get(unsigned axis)
 static void set(unsigned axis, double mm)
 {
     home_counts[axis] = coordinates_mm_to_counts(axis, mm);
+    (void)keep(axis);
 }
 
 /* X+ is here, X- the default. */
@@ -47,11 +80,12 @@ static enum status sign(unsigned axis, bool plus, bool act)
 {
     if (!act)
         return STATUS_OK;
-    if (plus)
+    if (plus) {
         home_counts[axis] = motion_position_counts(axis);
-    else
+        (void)keep(axis);
+    } else {
         set(axis, DEFAULT_MM);
-    home_mm[axis] = get(axis);
+    }
     return STATUS_OK;
 }
 
@@ -60,7 +94,7 @@ static const struct parameter parameters[] = {
         .command = "SETHOME", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 3,
         .unit = "mm", .summary = "Where HOME goes; + is here, - the default.",
         .minimum = -PLACE_MAX_MM, .maximum = PLACE_MAX_MM, .initial = DEFAULT_MM,
-        .saved = SAVED_AT_ONCE, .value = home_mm, .get = get, .set = set, .sign = sign,
+        .saved = SAVED_AT_ONCE, .get = get, .set = set, .sign = sign,
     },
     {0},
 };
@@ -76,5 +110,5 @@ static const struct command commands[] = {
 };
 
 const struct module home_module = {
-    .name = "home", .commands = commands, .parameters = parameters,
+    .name = "home", .commands = commands, .parameters = parameters, .init = init,
 };

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "core/settings.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
 
@@ -14,14 +15,6 @@
 /* By the order of counts, whatever the user's direction is. */
 static int32_t low_counts[AXIS_COUNT];
 static int32_t high_counts[AXIS_COUNT];
-
-void limits_open(void)
-{
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        low_counts[axis] = -COORDINATES_COUNTS_MAX;
-        high_counts[axis] = COORDINATES_COUNTS_MAX;
-    }
-}
 
 enum fault limits_fault(unsigned axis, bool high)
 {
@@ -69,9 +62,44 @@ static int32_t *limit(unsigned axis, bool upper)
     return upper != coordinates_mirrored(axis) ? &high_counts[axis] : &low_counts[axis];
 }
 
-/* As they were set, for the settings store; what counts is in counts. */
-static double low_mm[AXIS_COUNT];
-static double up_mm[AXIS_COUNT];
+/* Of the limit at the high or the low end of the counts, kept in stage mm. */
+static uint32_t key_of(unsigned axis, bool high)
+{
+    return settings_key_of(high ? "SETUP" : "SETLOW", AXIS_LETTERS[axis]);
+}
+
+static bool keep(unsigned axis, bool high)
+{
+    const int32_t counts = high ? high_counts[axis] : low_counts[axis];
+
+    return settings_write(key_of(axis, high), coordinates_counts_to_stage_mm(axis, counts));
+}
+
+bool limits_keep(void)
+{
+    bool kept = true;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        kept &= keep(axis, false) && keep(axis, true);
+    return kept;
+}
+
+/* After the settings, as these scale. A pair that leaves no room was never kept by SETLOW or SETUP. */
+static void init(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        double low_mm = -TRAVEL_MM, high_mm = TRAVEL_MM;
+
+        (void)settings_read(key_of(axis, false), &low_mm);
+        (void)settings_read(key_of(axis, true), &high_mm);
+        if (!(low_mm < high_mm)) {
+            low_mm = -TRAVEL_MM;
+            high_mm = TRAVEL_MM;
+        }
+        low_counts[axis] = coordinates_stage_mm_to_counts(axis, low_mm);
+        high_counts[axis] = coordinates_stage_mm_to_counts(axis, high_mm);
+    }
+}
 
 static double get_low(unsigned axis)
 {
@@ -89,8 +117,10 @@ static void set(unsigned axis, bool upper, int32_t counts)
     int32_t *side = limit(axis, upper);
     bool high = side == &high_counts[axis];
 
-    if (high ? counts > low_counts[axis] : counts < high_counts[axis])
-        *side = counts;
+    if (high ? counts <= low_counts[axis] : counts >= high_counts[axis])
+        return;
+    *side = counts;
+    (void)keep(axis, high);
 }
 
 static void set_low(unsigned axis, double mm)
@@ -110,7 +140,6 @@ static enum status sign_low(unsigned axis, bool plus, bool act)
         set(axis, false, motion_position_counts(axis));
     else if (act)
         set_low(axis, -TRAVEL_MM);
-    low_mm[axis] = get_low(axis);
     return STATUS_OK;
 }
 
@@ -120,7 +149,6 @@ static enum status sign_up(unsigned axis, bool plus, bool act)
         set(axis, true, motion_position_counts(axis));
     else if (act)
         set_up(axis, TRAVEL_MM);
-    up_mm[axis] = get_up(axis);
     return STATUS_OK;
 }
 
@@ -129,15 +157,13 @@ static const struct parameter parameters[] = {
         .command = "SETLOW", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 3,
         .unit = "mm", .summary = "Lower soft limit; + is here, - the default.",
         .minimum = -TRAVEL_MAX_MM, .maximum = TRAVEL_MAX_MM, .initial = -TRAVEL_MM,
-        .saved = SAVED_AT_ONCE, .value = low_mm, .get = get_low, .set = set_low,
-        .sign = sign_low,
+        .saved = SAVED_AT_ONCE, .get = get_low, .set = set_low, .sign = sign_low,
     },
     {
         .command = "SETUP", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 3,
         .unit = "mm", .summary = "Upper soft limit; + is here, - the default.",
         .minimum = -TRAVEL_MAX_MM, .maximum = TRAVEL_MAX_MM, .initial = TRAVEL_MM,
-        .saved = SAVED_AT_ONCE, .value = up_mm, .get = get_up, .set = set_up,
-        .sign = sign_up,
+        .saved = SAVED_AT_ONCE, .get = get_up, .set = set_up, .sign = sign_up,
     },
     {0},
 };
@@ -152,4 +178,5 @@ const struct module limits_module = {
     .name = "limits",
     .commands = commands,
     .parameters = parameters,
+    .init = init,
 };

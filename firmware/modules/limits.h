@@ -17,8 +17,8 @@
 
 extern const struct module limits_module;
 
-/** No limits; start-up and RESET, before the settings are loaded. */
-void limits_open(void);
+/** Keep the limits of all axes in the settings store as they are now (SAVEPOS). False: not kept. */
+bool limits_keep(void);
 
 /** The code of a limit at the high or the low end of the counts: the user's upper or lower one. */
 enum fault limits_fault(unsigned axis, bool high);

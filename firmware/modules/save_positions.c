@@ -7,6 +7,8 @@
 #include "core/axis.h"
 #include "core/settings.h"
 #include "modules/coordinates.h"
+#include "modules/home.h"
+#include "modules/limits.h"
 #include "modules/motion.h"
 
 static double inhibit;
@@ -37,9 +39,9 @@ void save_positions_restore(void)
 
 static double counts_from_origin(unsigned axis)
 {
-    const double mm = coordinates_counts_to_mm(axis, motion_position_counts(axis));
+    const double mm = coordinates_counts_to_stage_mm(axis, motion_position_counts(axis));
 
-    return round(mm * coordinates_counts_per_mm(axis) * (coordinates_mirrored(axis) ? -1 : 1));
+    return round(mm * coordinates_counts_per_mm(axis));
 }
 
 /* An axis that is not driven is never in position, and rests where it is. */
@@ -53,7 +55,7 @@ static bool all_rest(void)
 
 static bool store(void)
 {
-    bool stored = settings_keep_places();
+    bool stored = limits_keep() && home_keep();
 
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         stored &= settings_write(key_of(axis), counts_from_origin(axis));

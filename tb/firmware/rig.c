@@ -10,7 +10,6 @@
 #include "host/mmio.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
-#include "modules/limits.h"
 #include "modules/modules.h"
 #include "port.h"
 #include "regs.h"
@@ -20,7 +19,6 @@ void rig_start(void)
     axis_init();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
-    limits_open();
     events_set_clock(axis_time_fast);
     action_init(firmware_claims);
     port_start(firmware_modules);

@@ -11,6 +11,7 @@
 #include "modules/coordinates.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
+#include "rig.h"
 
 #define SEND(line) CHECK_TEXT(closed_loop_send(line), ":A \r\n")
 
@@ -167,6 +168,53 @@ TEST(a_limit_beyond_the_other_is_ignored)
     CHECK_TEXT(closed_loop_send("SL X?"), ":A X=-110.000\r\n");
 }
 
+/* What comes after a start is the same place of the stage, whichever way round a host had it. */
+TEST(limits_and_home_keep_their_end_of_the_stage_at_a_start)
+{
+    closed_loop_start(NULL);
+    SEND("UM X=-10000");
+    SEND("SL X=-5");
+    SEND("SU X=2");
+    SEND("HM X=1.5");
+    rig_start();
+    CHECK_TEXT(closed_loop_send("UM X?"), ":X=10000.000000 A\r\n");
+    CHECK_TEXT(closed_loop_send("SL X?"), ":A X=-2.000\r\n");
+    CHECK_TEXT(closed_loop_send("SU X?"), ":A X=5.000\r\n");
+    CHECK_TEXT(closed_loop_send("HM X?"), ":A X=-1.500\r\n");
+    SEND("UM X=-10000");
+    SEND("SS Z");
+    rig_start();
+    CHECK_TEXT(closed_loop_send("SL X?"), ":A X=-5.000\r\n");
+    CHECK_TEXT(closed_loop_send("SU X?"), ":A X=2.000\r\n");
+    CHECK_TEXT(closed_loop_send("HM X?"), ":A X=1.500\r\n");
+}
+
+/* Both beyond the default of one; and one that was ignored does not come back. */
+TEST(limits_are_loaded_together)
+{
+    closed_loop_start(NULL);
+    SEND("SL X=130");
+    SEND("SU X=200");
+    SEND("SL Y=-300");
+    SEND("SU Y=-200");
+    rig_start();
+    CHECK_TEXT(closed_loop_send("SL X? Y?"), ":A X=-110.000 Y=-300.000\r\n");
+    CHECK_TEXT(closed_loop_send("SU X? Y?"), ":A X=200.000 Y=-200.000\r\n");
+    SEND("SL X=150");
+    rig_start();
+    CHECK_TEXT(closed_loop_send("SL X?"), ":A X=150.000\r\n");
+}
+
+TEST(default_limits_are_in_mm_of_the_saved_scale)
+{
+    closed_loop_start(NULL);
+    SEND("C X=181590.4");
+    SEND("SS Z");
+    rig_start();
+    CHECK_TEXT(closed_loop_send("SL X?"), ":A X=-110.000\r\n");
+    CHECK_TEXT(closed_loop_send("SU X?"), ":A X=110.000\r\n");
+}
+
 TEST(a_name_beyond_the_counts_is_refused)
 {
     closed_loop_start(NULL);
@@ -188,4 +236,7 @@ TEST_MAIN(RUN(a_name_beyond_the_counts_is_refused); RUN(a_place_is_the_nearest_c
           RUN(moves_end_at_the_soft_limits);
           RUN(limits_keep_their_place_when_the_origin_moves);
           RUN(limits_are_those_of_the_mirrored_axis);
-          RUN(a_limit_beyond_the_other_is_ignored))
+          RUN(a_limit_beyond_the_other_is_ignored);
+          RUN(limits_and_home_keep_their_end_of_the_stage_at_a_start);
+          RUN(limits_are_loaded_together);
+          RUN(default_limits_are_in_mm_of_the_saved_scale))
