@@ -23,7 +23,7 @@ pytestmark = [pytest.mark.gates, pytest.mark.skipif("GATES_SOC" not in os.enviro
 OSCILLATOR_PS = 40_000
 BIT_PS = round(10**12 / 115_200)
 START_MS = 4                    # from the end of reset to power stages on: the servo runs
-ANSWER_MS = 60                  # to the first answer: all settings have been computed by then
+ANSWER_MS = 20                  # to an answer; before the first one the settings are computed
 STILL = ("enc_a", "enc_b", "enc_z", "limit_lower", "limit_upper", "estop", "in0", "in1", "button", "joystick_button",
          "dip", "knob_a", "knob_b", "adc_miso", "analog")
 MOVES = "pwm", "motor_enable"
