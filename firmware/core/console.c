@@ -6,8 +6,16 @@
 #include "core/events.h"
 #include "core/report.h"
 
-/* Stands in the queue for a line that was dropped; no line holds control bytes. */
-static const char lost_line[] = "\x15";
+/*
+ * Stands in the queue for lines that were dropped; their number follows in decimal. No line holds
+ * control bytes.
+ */
+static const uint8_t lost_mark = 0x15;
+
+enum {
+    LOST_MAX = 1 + 10 + 1,    /* bytes for lost lines: mark, number, CR */
+    HALT_ROOM = LOST_MAX + 8, /* left free for lines that acted at once, so that HALT is answered */
+};
 
 /* Stands in the queue before a binary frame, whose bytes follow as pairs of letters A to P. */
 static const uint8_t frame_mark = 0x06;
@@ -27,32 +35,40 @@ void console_init(struct console *console, struct ring *receive, struct ring *tr
     line_init(&console->line);
 }
 
-static bool queue_line(struct console *console, const char *text, size_t length, bool acted)
+static void put_lost(struct console *console)
 {
-    if (ring_free(&console->queue) < length + 1 + acted)
-        return false;
+    if (console->lost == 0)
+        return;
+    ring_put(&console->queue, lost_mark);
+    for (uint32_t unit = 1000000000; unit > 0; unit /= 10)
+        ring_put(&console->queue, (uint8_t)('0' + console->lost / unit % 10));
+    ring_put(&console->queue, '\r');
+    console->lost = 0;
+}
+
+/* A line without room is counted, and so answered in its turn. */
+static void take_line(struct console *console, const char *text, size_t length)
+{
+    bool acted = command_urgent(text, length);
+
+    if (ring_free(&console->queue) < LOST_MAX + acted + length + 1 + (acted ? 0 : HALT_ROOM)) {
+        console->lost++;
+        return;
+    }
+    put_lost(console);
     if (acted)
         ring_put(&console->queue, acted_mark);
     for (size_t i = 0; i < length; i++)
         ring_put(&console->queue, (uint8_t)text[i]);
     ring_put(&console->queue, '\r');
-    return true;
-}
-
-/* With no room even for the mark the host has sent a thousand bytes and read nothing. */
-static void take_line(struct console *console, const char *text, size_t length)
-{
-    bool acted = command_urgent(text, length);
-
-    if (!queue_line(console, text, length, acted))
-        (void)queue_line(console, lost_line, 1, false);
 }
 
 /* Without room the frame is lost; there is no answer that could say so. */
 static void take_frame(struct console *console, const uint8_t *frame, size_t length)
 {
-    if (ring_free(&console->queue) < 2 * length + 2)
+    if (ring_free(&console->queue) < LOST_MAX + 2 * length + 2)
         return;
+    put_lost(console);
     ring_put(&console->queue, frame_mark);
     for (size_t i = 0; i < length; i++) {
         ring_put(&console->queue, (uint8_t)('A' + (frame[i] >> 4)));
@@ -90,10 +106,12 @@ static void handle(struct console *console, enum line_event event)
         take_line(console, "\\", 1);
         break;
     case LINE_TOO_LONG:
-        (void)queue_line(console, lost_line, 1, false);
+        console->lost++;
         break;
     case LINE_CLEAR:
         ring_clear(&console->queue);
+        console->lost = 0;
+        console->refusals = 0;
         break;
     case LINE_FRAME:
         take_frame(console, line->frame, line->frame_length);
@@ -162,8 +180,17 @@ static void next_line(struct console *console)
 {
     size_t length = 0;
     uint8_t byte;
-    enum status status = STATUS_UNDEFINED;
 
+    if (console->refusals == 0 && ring_used(&console->queue) == 0) {
+        console->refusals = console->lost;
+        console->lost = 0;
+    }
+    if (console->refusals > 0) {
+        console->refusals--;
+        reply_clear(&console->reply);
+        conclude(console, STATUS_UNDEFINED, true);
+        return;
+    }
     console->request.acted = false;
     while (ring_take(&console->queue, &byte) && byte != '\r') {
         if (byte == acted_mark)
@@ -178,9 +205,14 @@ static void next_line(struct console *console)
         run_frame(console, length);
         return;
     }
-    if (console->text[0] != lost_line[0])
-        status = command_execute(console->text, length, &console->request, &console->reply);
-    conclude(console, status, true);
+    if (console->text[0] == (char)lost_mark) {
+        for (size_t i = 1; i < length; i++)
+            console->refusals = 10 * console->refusals + (uint32_t)(console->text[i] - '0');
+        next_line(console);
+        return;
+    }
+    conclude(console,
+             command_execute(console->text, length, &console->request, &console->reply), true);
 }
 
 static void next_part(struct console *console)
@@ -250,5 +282,6 @@ bool console_finish(struct console *console)
 
 bool console_idle(const struct console *console)
 {
-    return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0 && report_is_empty();
+    return console->state == CONSOLE_IDLE && ring_used(&console->queue) == 0 &&
+           console->lost == 0 && console->refusals == 0 && report_is_empty();
 }

@@ -5,7 +5,7 @@
  * console_poll reads everything that has come in before it does anything else, so HALT acts within
  * one turn of the main loop however many commands or how long a reply wait before it. Lines wait in
  * a queue of CONSOLE_QUEUE bytes and are answered in order, one reply each; a line that no longer
- * fits is dropped and answered :N-6 in its turn. A reply is sent as the transmit ring takes it;
+ * fits is dropped and answered :N-6 in its turn, however many there are. A reply is sent as the transmit ring takes it;
  * unsolicited lines (core/report.h) go out between replies.
  */
 #ifndef CORE_CONSOLE_H
@@ -26,6 +26,8 @@ struct console {
     struct line line;
     struct ring queue; /* lines that wait, each ended by CR */
     uint8_t queue_bytes[CONSOLE_QUEUE];
+    uint32_t lost;     /* lines dropped since the last that went into the queue */
+    uint32_t refusals; /* :N-6 to be sent before the next line is taken from the queue */
     char text[LINE_MAX]; /* line being carried out; quoted text in `request` points into it */
     struct request request;
     struct reply reply;
