@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Every way from one clock domain to another in the netlist of the whole controller is one of rtl/crossing.py's.
+"""Every way from one clock domain to another, in the netlist of the controller and of a board, is one of rtl/crossing.py's.
 
 Looks at single bits of the netlist, so nothing depends on what the source says.  A flip-flop may depend on
 
@@ -7,7 +7,10 @@ Looks at single bits of the netlist, so nothing depends on what the source says.
 * a flip-flop ``cross_hold`` of another domain (it has an enable; that it is still while it is read is proven in
   ``tb/formal/crossing.py``);
 * a ``cross_toggle`` of another domain or an input pin, if it is the first stage of a synchroniser and nothing
-  lies between; that stage feeds the second one only, and a ``cross_toggle`` one synchroniser only.
+  lies between but an inverter at a pin; that stage feeds the second one only, and a ``cross_toggle`` one synchroniser only.
+
+On a board there is the domain of its oscillator too.  Its ``reset`` may reach all flip-flops, as it changes only while
+the others have no clock edges (``tb/gateware/test_reset.py``); what the PLL says counts as a pin.
 
 Output pins are flip-flops.  ``cpu`` is ``sync`` (its clock is left out now and then, see :mod:`soc.cpu`); the
 processor and the memory arrays have one clock each, so they are boxes here whose every pin is a flip-flop.
@@ -19,33 +22,39 @@ from collections import defaultdict
 from functools import cache
 
 import pytest
-from amaranth import Module, Signal
+from amaranth import ClockDomain, ClockSignal, Module, Signal
 from amaranth.lib import cdc, wiring
 from amaranth.lib.wiring import In, Out
 
 from rtl import crossing
 from rtl.quadrature import DecoderSettings
-from soc import cpu, memory
+from soc import cpu, gateware, memory, pins
 from soc.top import Abbe
 from tb import toolchain
 
 CLOCKS = {"clk": "sync", "cpu_clk": "sync", "fast_clk": "fast"}
 RESETS = {"rst": "sync", "cpu_rst": "sync", "fast_rst": "fast"}
 BOXES = {"VexRiscv", "abbe_memory"}
+BOARD_CLOCKS = {"clocks.sync_clk": "sync", "clocks.fast_clk": "fast"}
+BOARD_RESET = "clocks.sequencer.reset"
 COMBINATIONAL_PINS = {"cpu_asleep"}             # for a simulator, not a pin of a board
-SCRIPT = ("read_rtlil top.il; read_verilog -lib cpu.v; read_verilog -lib -sv memory.v; hierarchy -top top; "
+SCRIPT = ("read_rtlil top.il; read_verilog -lib +/ecp5/cells_bb.v; read_verilog -lib cpu.v; read_verilog -lib -sv memory.v; hierarchy -top top; "
           "proc; flatten; opt_clean; memory_map; opt_dff; simplemap; opt_clean; write_json top.json")
 
 
 class Netlist:
     """Bits and what drives them: ``pins`` {input bit: pin's name}, ``outputs`` {(pin, n): bit}, ``flops`` {output
-    bit: (domain, other input bits, bits at D, has an enable)}, ``drivers`` {output bit of logic: input bits}."""
+    bit: (domain, other input bits, bits at D, has an enable)}, ``drivers`` {output bit of logic: input bits}.
 
-    def __init__(self, module):
+    ``oscillator``: of a board, its pin.
+    """
+
+    def __init__(self, module, oscillator=None):
         self.pins, self.outputs, self.drivers, self.flops = {}, {}, {}, {}
         self.paths = defaultdict(set)
-        clock_bits = {module["ports"][pin]["bits"][0]: domain for pin, domain in CLOCKS.items()
-                      if pin in module["ports"]}
+        names = CLOCKS if oscillator is None else {**BOARD_CLOCKS, oscillator: "board"}
+        clock_bits = {module["netnames"][name]["bits"][0]: domain for name, domain in names.items()
+                      if name in module["netnames"]}
         for name, port in module["ports"].items():
             if port["direction"] == "input":
                 self.pins |= dict.fromkeys(port["bits"], name)
@@ -62,6 +71,9 @@ class Netlist:
         for port, bits in cell["connections"].items():
             group = outputs if cell["port_directions"][port] == "output" else inputs
             group |= {bit for bit in bits if isinstance(bit, int)}
+        if cell["type"] == "EHXPLLL":
+            self.pins |= dict.fromkeys(outputs, "of the PLL")
+            return
         clocked = re.match(r"\$_\w*DFF|\$.*dff", cell["type"]) or cell["type"] in BOXES
         if not clocked:
             assert not re.match(r"\$(_DLATCH|dlatch|mem|_SR)", cell["type"]), f"unknown storage {cell['type']}"
@@ -107,12 +119,13 @@ def violations(netlist):
         for source in frozenset().union(*map(netlist.sources, inputs)):
             if source in netlist.pins:
                 pin = netlist.pins[source]
-                foreign, known = RESETS.get(pin) != domain, first and data == [source] and pin not in RESETS
+                alone = data == [source] or netlist.drivers.get(data[0] if data else None) == {source}      # inverted
+                foreign, known = RESETS.get(pin) != domain, first and alone and pin not in RESETS
                 what = f"pin {pin}"
             else:
                 foreign = netlist.flops[source][0] != domain
                 toggle = netlist.called(source, "cross_toggle") and first and data == [source]
-                known = toggle or netlist.called(source, "cross_hold")
+                known = toggle or netlist.called(source, "cross_hold") or BOARD_RESET in netlist.paths[source]
                 what = f"{netlist.path(source)} of {netlist.flops[source][0]}"
                 if foreign and toggle:
                     synchronisers[source].add(bit)
@@ -127,12 +140,12 @@ def violations(netlist):
     return wrong, crossings
 
 
-def netlist_of(component, directory):
+def netlist_of(component, directory, oscillator=None):
     (directory / "top.il").write_text(toolchain.to_rtlil(component, name="top"))
     (directory / "cpu.v").write_text(cpu.netlist())
     (directory / "memory.v").write_text(memory.VERILOG.read_text())
     toolchain.yosys(SCRIPT, cwd=directory)
-    return Netlist(json.loads((directory / "top.json").read_text())["modules"]["top"])
+    return Netlist(json.loads((directory / "top.json").read_text())["modules"]["top"], oscillator)
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +179,30 @@ def test_a_crossing_broken_in_the_controller_is_found(monkeypatch, tmp_path):
     monkeypatch.setattr(crossing.Hold, "elaborate", live)
     wrong, _ = violations(netlist_of(Abbe(), tmp_path))
     assert len(wrong) == 4 * 5 and all(re.search(r"quadrature\d.* of fast depends on .* of sync", w) for w in wrong)
+
+
+@pytest.mark.parametrize("board", [file.boards[0] for file in pins.boards()], ids=lambda board: board.name)
+def test_every_crossing_of_a_board_is_of_a_known_pattern(board, tmp_path):
+    netlist = netlist_of(board(), tmp_path, board.oscillator[0])
+    assert {flop[0] for flop in netlist.flops.values()} == {"board", "sync", "fast"}
+    wrong, _ = violations(netlist)
+    assert not wrong, f"{len(wrong)}: " + "; ".join(sorted(wrong)[:10])
+
+
+def test_a_crossing_broken_on_a_board_is_found(tmp_path):
+    """Reset asked for by the flip-flop of motor enable, and by the button, without a synchroniser."""
+    board = gateware.board("ulx3s-85f")
+
+    class Broken(board):
+        def system(self, m, clocks):
+            seen, asked = Signal(), Signal()
+            m.domains.own = ClockDomain("own", reset_less=True)
+            m.d.comb += [ClockSignal("own").eq(self.clk25), clocks.request.eq(seen | asked), self.led.eq(seen)]
+            m.d.own += [seen.eq(self.motor_enable), asked.eq(~self.reset_button_n)]
+
+    wrong, _ = violations(netlist_of(Broken(), tmp_path, "clk25"))
+    assert any(re.search("of board depends on .* of sync", w) for w in wrong), wrong
+    assert any("of board depends on pin reset_button_n" in w for w in wrong), wrong
 
 
 class Sample(wiring.Component):
@@ -222,6 +259,7 @@ WAYS = {
     "raw pin": ("depends on pin", lambda m, pin, level, toggle, hold, o: m.d.comb.__iadd__(o.eq(pin))),
     "a level that is no toggle": ("depends on", lambda m, pin, level, toggle, hold, o: synchronised(m, level, o)),
     "logic before it": ("depends on", lambda m, pin, level, toggle, hold, o: synchronised(m, toggle ^ hold, o)),
+    "a pin inverted": (None, lambda m, pin, level, toggle, hold, o: synchronised(m, ~pin, o)),
     "a pin and logic": ("depends on pin", lambda m, pin, level, toggle, hold, o: synchronised(m, pin ^ hold, o)),
     "two synchronisers": ("read by 2", lambda m, pin, level, toggle, hold, o: twice(m, toggle, o)),
     "a hold that follows": ("never still", lambda m, pin, level, toggle, hold, o: follow(m, level, o)),
