@@ -83,15 +83,14 @@ static struct result move(double target_mm, double counts_per_mm)
 static double following_rms(double speed_counts_per_ms, double ms)
 {
     unsigned count = (unsigned)(ms / TICK_MS);
-    double sum = 0, squares = 0;
+    double start = closed_loop_position(0), sum = 0, squares = 0;
 
-    for (unsigned n = 0; n < count; n++) {
+    for (unsigned n = 1; n <= count; n++) {
         double error;
 
         closed_loop_tick();
-        error = closed_loop_position(0) - speed_counts_per_ms * TICK_MS * n;
-        if (n == 0)
-            sum = squares = 0;
+        /* From the start on, so that the squares of small errors are not lost among great numbers. */
+        error = closed_loop_position(0) - start - speed_counts_per_ms * TICK_MS * n;
         sum += error;
         squares += error * error;
     }
