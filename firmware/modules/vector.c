@@ -54,12 +54,18 @@ static void set(unsigned axis, double mm_per_s)
     }
 }
 
+/* At a limit it has ended, though the axis is still its own. */
+static double get(unsigned axis)
+{
+    return motion_in_position(axis) ? 0 : velocity_mm_per_s[axis];
+}
+
 static const struct parameter parameters[] = {
     {
         .command = "VECTOR", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 6,
         .unit = "mm/s", .summary = "Velocity, until a limit, HALT or 0.", .minimum = -1e9,
         .maximum = 1e9, .saved = SAVED_NEVER, .value = velocity_mm_per_s, .adjust = clipped,
-        .set = set,
+        .get = get, .set = set,
     },
     {0},
 };

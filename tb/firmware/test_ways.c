@@ -169,8 +169,14 @@ TEST(a_vector_ends_at_the_limit)
     closed_loop_run(400 * TICKS_PER_MS);
     CHECK_INT(board_count(closed_loop_board(), 0), MM / 2);
     CHECK_TEXT(closed_loop_send("RS X-"), ":A U\r\n");
-    CHECK_TEXT(closed_loop_send("VE X=1000"), ":A \r\n");
-    CHECK_TEXT(closed_loop_send("VE X?"), ":A X=6.800000\r\n");
+    CHECK_TEXT(closed_loop_send("VE X?"), ":A X=0.000000\r\n");
+    SEND("VE X=1000");
+    closed_loop_run(20 * TICKS_PER_MS);
+    CHECK_TEXT(closed_loop_send("VE X?"), ":A X=0.000000\r\n");
+    SEND("VE X=-1000");
+    CHECK_TEXT(closed_loop_send("VE X?"), ":A X=-6.800000\r\n");
+    closed_loop_run(20 * TICKS_PER_MS);
+    CHECK_TEXT(closed_loop_send("VE X?"), ":A X=-6.800000\r\n");
 }
 
 TEST(home_is_a_commanded_move_to_the_limit_or_its_place)
