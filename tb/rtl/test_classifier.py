@@ -37,18 +37,24 @@ async def start(dut, *pins):
     return random.Random(seed)
 
 
-@cocotb.test(timeout_time=5, timeout_unit="ms")
-async def every_pulse_is_judged_by_its_length(dut):
-    threshold = int(os.environ["THRESHOLD"])
-    rng = await start(dut, dut.level)
-    dut.settings.value = 0b10 << 32 | threshold
-    levels, wanted = pulse_train(rng, threshold)
+async def decisions(dut, levels):
+    """``[(clock that decided, long)]`` of these levels, one a clock."""
     seen = []
     for clock, level in enumerate(levels):
         dut.level.value = level
         if dut.decided.value:
             seen.append((clock - CLASSIFIER_LATENCY, int(dut.long.value)))
         await FallingEdge(dut.fast_clk)
+    return seen
+
+
+@cocotb.test(timeout_time=5, timeout_unit="ms")
+async def every_pulse_is_judged_by_its_length(dut):
+    threshold = int(os.environ["THRESHOLD"])
+    rng = await start(dut, dut.level)
+    dut.settings.value = 0b10 << 32 | threshold
+    levels, wanted = pulse_train(rng, threshold)
+    seen = await decisions(dut, levels)
     assert seen == wanted and {long for _, long in wanted} == ({0, 1} if threshold > 1 else {1})
 
 
@@ -66,12 +72,7 @@ async def at_the_threshold_the_level_decides(dut):
             clock += threshold - 1
             wanted.append((clock, levels[clock]))
         clock += 1
-    seen = []
-    for clock, level in enumerate(levels):
-        dut.level.value = level
-        if dut.decided.value:
-            seen.append((clock - CLASSIFIER_LATENCY, int(dut.long.value)))
-        await FallingEdge(dut.fast_clk)
+    seen = await decisions(dut, levels)
     assert seen[:len(wanted)] == wanted and len(wanted) > 10 and len(seen) <= len(wanted) + 2
 
 
