@@ -7,6 +7,7 @@ from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.wiring import In, Out, connect, flipped
 
 from rtl.crossing import Handover, Hold, StrobeCrossing
+from rtl.filter import GlitchFilter
 from rtl.registers import Field, Register, RegisterBank, action
 
 __all__ = ["DECODER_LATENCY", "FILTER_BITS", "DecoderSettings", "QuadratureDecoder", "QuadraturePeripheral",
@@ -47,63 +48,6 @@ DecoderSettings = data.StructLayout({"filter": FILTER_BITS, "invert": 1})
 """``filter``: samples, 0 is off.  ``invert``: 1 exchanges the two directions."""
 
 
-class GlitchFilter(wiring.Component):
-    """Take a level only after it has stayed for ``samples`` further samples.
-
-    Domain ``fast``.  ``level`` follows ``i`` one clock later when ``samples`` is 0; otherwise it takes a new
-    level once ``samples + 1`` samples in a row showed it, so exactly ``samples`` clocks later than without
-    filter, and pulses of at most ``samples`` samples vanish.
-
-    Members
-    -------
-    i : In(1)
-        Synchronised input.
-    samples : In(4)
-        Taken while the level stands still.
-    off : In(1)
-        ``samples`` is 0.
-    load : In(1)
-        The next sample is taken at once, whatever ``samples`` is.
-    still : Out(1)
-        No change of level is on its way.
-    change : Out(1)
-        ``level`` changes at the end of this clock.
-    next : Out(1)
-        What ``level`` is then.
-    level : Out(1)
-        Filtered level; 0 at reset.
-    """
-
-    i: In(1)
-    samples: In(FILTER_BITS)
-    off: In(1)
-    load: In(1)
-    still: Out(1)
-    change: Out(1)
-    next: Out(1)
-    level: Out(1)
-
-    def __init__(self):
-        super().__init__()
-        # State, for proofs.  ``missing``: further samples that must differ from ``level`` before the one that is
-        # believed.  ``ready``: none is missing, or the level is being loaded.
-        self._missing, self._ready = Signal(FILTER_BITS), Signal(init=1)
-
-    def elaborate(self, platform):
-        m = Module()
-        missing, ready = self._missing, self._ready
-        m.d.comb += [
-            self.still.eq(self.i == self.level), self.change.eq(ready & ~self.still),
-            self.next.eq(Mux(ready, self.i, self.level)),
-        ]
-        with m.If(~self.still & ~ready):
-            m.d.fast += [missing.eq(missing - 1), ready.eq((missing == 1) | self.load)]
-        with m.Else():
-            m.d.fast += [missing.eq(self.samples), ready.eq(self.off | self.load)]
-        m.d.fast += self.level.eq(self.next)
-        return m
-
-
 class QuadratureDecoder(wiring.Component):
     """Count every edge of a quadrature pair, and latch the count at the index.
 
@@ -142,7 +86,7 @@ class QuadratureDecoder(wiring.Component):
     def __init__(self, *, width=32):
         if not isinstance(width, int) or width < 2:
             raise ValueError(f"the count needs at least 2 bits, not {width!r}")
-        self._filters = [GlitchFilter() for _ in "abz"]
+        self._filters = [GlitchFilter(bits=FILTER_BITS) for _ in "abz"]
         # Of the filters: wanted, and in use while a pin moves; and whether these are 0.
         self._wanted, self._wanted_off = Signal(FILTER_BITS), Signal(init=1)
         self._samples, self._samples_off = Signal(FILTER_BITS), Signal(init=1)

@@ -126,9 +126,8 @@ class CountsEveryFilteredEdge(CountsEveryEdge):
     bug_depth = 16
     widths = "count 32, errors 16, polarity any, filter any of 0..15"
     bugs = {
-        "one sample too few is enough": ("(missing == 1)", "(missing == 2)"),
-        "samples need not be consecutive": (
-            "missing.eq(self.samples)", "missing.eq(Mux(missing == 0, self.samples, missing))"),
+        "the setting is ignored": ("level.samples.eq(samples)", "level.samples.eq(0)"),
+        "it is not known to be off": ("level.off.eq(off)", "level.off.eq(0)"),
     }
 
     def samples(self):
