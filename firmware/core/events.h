@@ -35,8 +35,12 @@ enum event_name {
 struct event {
     enum event_name name;
     uint32_t argument;
-    uint64_t time_fast; /* when it happened, in fast clocks (5 ns) since reset */
+    uint64_t time_fast; /* when it happened, in fast clocks since reset */
 };
+
+/** Fast clocks are 5 ns long. */
+#define EVENTS_FAST_PER_S UINT64_C(200000000)
+#define EVENTS_FAST_PER_MS (EVENTS_FAST_PER_S / 1000)
 
 enum { EVENT_HOOKS_MAX = 10, EVENT_QUEUE = 32 };
 

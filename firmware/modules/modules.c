@@ -27,7 +27,8 @@
 #include "modules/settings.h"
 #include "modules/spin.h"
 #include "modules/status.h"
-#include "modules/ttl.h"
+#include "modules/ttl_in.h"
+#include "modules/ttl_out.h"
 #include "modules/tuner.h"
 #include "modules/tuning.h"
 #include "modules/vector.h"
@@ -50,7 +51,8 @@ const struct module *const firmware_modules[] = {
     &spin_module,
     &tuner_module,
     &status_module,
-    &ttl_module,
+    &ttl_in_module,
+    &ttl_out_module,
     &ring_buffer_module,
     &z_stack_module,
     &joystick_module,
@@ -71,7 +73,7 @@ const struct module *const firmware_modules[] = {
 
 /* First come, first asked. */
 const struct claim firmware_claims[] = {
-    {ACTION_RING_NEXT, ttl_trigger},
+    {ACTION_RING_NEXT, ttl_in_trigger},
     {ACTION_AT_SHORT, scan_stop},
     {ACTION_AT_SHORT, ring_buffer_button_next},
     {ACTION_AT_LONG, scan_start},

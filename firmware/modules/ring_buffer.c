@@ -18,8 +18,6 @@ enum mode {
     PLAYING = 128,    /* added when asked while it plays */
 };
 
-#define FAST_PER_MS 200000.0
-
 struct point {
     double user[AXIS_COUNT]; /* user units when it is gone to */
     unsigned axes;           /* those that were named; others stay */
@@ -70,7 +68,8 @@ static void step(bool relative)
         pointer = 0;
 }
 
-bool ring_buffer_next(bool relative)
+/* What a trigger does. False: no point is stored. */
+static bool next(bool relative)
 {
     if (playing) {
         playing = false;
@@ -81,8 +80,18 @@ bool ring_buffer_next(bool relative)
     step(relative);
     playing_relative = relative;
     playing = (mode == MODE_PLAY_ONCE && pointer != 0) || mode == MODE_PLAY_ROUND;
-    due_fast = events_now() + (uint64_t)(interval_ms * FAST_PER_MS);
+    due_fast = events_now() + (uint64_t)(interval_ms * EVENTS_FAST_PER_MS);
     return true;
+}
+
+void ring_buffer_trigger(void)
+{
+    (void)next(false);
+}
+
+void ring_buffer_trigger_relative(void)
+{
+    (void)next(true);
 }
 
 static bool arrived(void)
@@ -98,7 +107,7 @@ static void poll(void)
 {
     if (!playing || events_now() < due_fast || !arrived())
         return;
-    due_fast = events_now() + (uint64_t)(interval_ms * FAST_PER_MS);
+    due_fast = events_now() + (uint64_t)(interval_ms * EVENTS_FAST_PER_MS);
     step(playing_relative);
     playing = mode == MODE_PLAY_ROUND || pointer != 0;
 }
@@ -218,7 +227,7 @@ static void set_mode(unsigned axis, double value)
 
 bool ring_buffer_button_next(void)
 {
-    return ring_buffer_next(false);
+    return next(false);
 }
 
 bool ring_buffer_button_store(void)

@@ -11,12 +11,11 @@
 extern const struct module ring_buffer_module;
 
 /**
- * Go to the next point, or start or stop going round by itself, as RBMODE F says.
- *
- * @param relative  The point is a distance, not a place.
- * @return          False: no point is stored.
+ * A trigger: go to the next point, or start or stop going round by itself, as RBMODE F says. Points
+ * are places, or distances.
  */
-bool ring_buffer_next(bool relative);
+void ring_buffer_trigger(void);
+void ring_buffer_trigger_relative(void);
 
 /** Axes that move, as a mask: RBMODE Y. They are also the ones that timed reports name. */
 unsigned ring_buffer_axes(void);

@@ -240,6 +240,11 @@ bool scan_start(void)
     return scan_run_start(&setup) == STATUS_OK;
 }
 
+void scan_trigger(void)
+{
+    (void)scan_start();
+}
+
 bool scan_stop(void)
 {
     if (scan_run_state() == SCAN_IDLE)
@@ -428,7 +433,7 @@ static const struct parameter parameters[] = {
     {0},
 };
 
-static const char *const build_lines[] = {"SCAN MODULE", "ENC_INT", NULL};
+static const char *const build_lines[] = {"SCAN MODULE", NULL};
 
 const struct module scan_module = {
     .name = "scan", .commands = commands, .parameters = parameters,

@@ -9,8 +9,11 @@
 
 extern const struct module scan_module;
 
-/** Start a scan as it is set, or end the one that runs: IN0 and the @ button. False: nothing done. */
+/** Start a scan as it is set, or end the one that runs: the @ button. False: nothing done. */
 bool scan_start(void);
 bool scan_stop(void);
+
+/** A trigger (TTL X=6): start one when none runs. */
+void scan_trigger(void);
 
 #endif

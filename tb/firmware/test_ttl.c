@@ -3,6 +3,8 @@
 #include "check.h"
 
 #include "host/mmio.h"
+#include "modules/pins.h"
+#include "modules/ttl_in.h"
 #include "port.h"
 #include "regs.h"
 #include "stage.h"
@@ -88,6 +90,98 @@ TEST(raw_channel_is_that_of_the_fast_axis_or_as_jumpered)
     CHECK_INT(mmio_model_get(REG_DIVIDER_AXIS), 0);
 }
 
+/* Which TTL lines BUILD X has. */
+static unsigned names(void)
+{
+    const char *text = port_send("BU X");
+
+    return (strstr(text, "\rIN0_INT") != NULL ? 1u : 0) + (strstr(text, "\rENC_INT") != NULL ? 2u : 0) +
+           (strstr(text, "\rTTL_REPORT_INT") != NULL ? 4u : 0);
+}
+
+/* The modes of the input in a profile, and those in which a scan has pixel pulses. */
+static void modes(const char *profile, uint32_t *valid, uint32_t *pixels)
+{
+    char line[20];
+
+    *valid = *pixels = 0;
+    SEND(profile, ACKNOWLEDGED);
+    for (int mode = 0; mode < 32; mode++) {
+        snprintf(line, sizeof line, "TTL X=%d", mode);
+        if (strcmp(port_send(line), ACKNOWLEDGED) != 0)
+            continue;
+        *valid |= 1u << mode;
+        if (pins_pixels_enabled())
+            *pixels |= 1u << mode;
+    }
+    SEND("TTL X=0", ACKNOWLEDGED);
+}
+
+TEST(a_profile_has_the_modes_and_the_names_of_a_build)
+{
+    uint32_t valid, pixels;
+
+    stage_start();
+    modes("BU F=0", &valid, &pixels);
+    CHECK_INT(valid & 0x1477, 0x1477); /* 0 1 2 4 5 6 10 12 */
+    CHECK_INT(pixels & 0x1477, 0x42);  /* 1 6 */
+    CHECK_INT(names(), 3);
+    modes("BU F=1", &valid, &pixels);
+    CHECK_INT(valid & 0x1477, 0x1477);
+    CHECK_INT(pixels, 0);
+    CHECK_INT(names(), 1);
+    modes("BU F=2", &valid, &pixels);
+    CHECK_INT(valid, 0x03);
+    CHECK_INT(pixels, 0x02);
+    CHECK_INT(names(), 2);
+    SEND("BU F=3", ACKNOWLEDGED);
+    CHECK_INT(names(), 4);
+    SEND("BU F=4", ":N-4\r\n");
+}
+
+TEST(a_profile_is_saved_and_ends_a_mode_that_it_lacks)
+{
+    stage_start();
+    SEND("TTL X=4", ACKNOWLEDGED);
+    SEND("BU F=1", ACKNOWLEDGED);
+    SEND("TTL X?", ":A X=4\r\n");
+    SEND("BU F=2", ACKNOWLEDGED);
+    SEND("TTL X?", ":A X=0\r\n");
+    SEND("TTL X=4", ":N-4\r\n");
+    SEND("TTL X=1", ACKNOWLEDGED);
+    SEND("SS Z", ACKNOWLEDGED);
+    stage_start();
+    SEND("BU F?", ":A 2\r\n");
+    SEND("TTL X?", ":A X=1\r\n");
+    CHECK(pins_pixels_enabled());
+    SEND("BU F=0", ACKNOWLEDGED);
+    SEND("TTL X=0", ACKNOWLEDGED);
+    SEND("SS Z", ACKNOWLEDGED);
+}
+
+TEST(a_module_may_take_the_input_and_gives_it_back)
+{
+    stage_start();
+    SEND("TTL X=1", ACKNOWLEDGED);
+    ttl_in_force(10);
+    SEND("TTL X?", ":A X=10\r\n");
+    CHECK(!pins_pixels_enabled());
+    SEND("RM", ACKNOWLEDGED); /* toggles OUT0 */
+    SEND("TTL", ":A 0\r\n");
+    SEND("SS Z", ACKNOWLEDGED); /* keeps what the user set */
+    SEND("TTL X=6", ACKNOWLEDGED);
+    SEND("TTL X?", ":A X=10\r\n");
+    ttl_in_restore();
+    SEND("TTL X?", ":A X=6\r\n");
+    CHECK(pins_pixels_enabled());
+    ttl_in_restore();
+    SEND("TTL X?", ":A X=6\r\n");
+    stage_start();
+    SEND("TTL X?", ":A X=1\r\n");
+    SEND("TTL X=0", ACKNOWLEDGED);
+    SEND("SS Z", ACKNOWLEDGED);
+}
+
 TEST(modes_that_are_not_built_are_refused)
 {
     stage_start();
@@ -108,4 +202,7 @@ TEST(modes_that_are_not_built_are_refused)
 TEST_MAIN(RUN(queries_name_their_letters); RUN(bare_ttl_tells_the_level_of_the_pin);
           RUN(level_and_polarity_reach_the_pins); RUN(raw_channel_is_never_inverted);
           RUN(raw_channel_is_that_of_the_fast_axis_or_as_jumpered);
+          RUN(a_profile_has_the_modes_and_the_names_of_a_build);
+          RUN(a_profile_is_saved_and_ends_a_mode_that_it_lacks);
+          RUN(a_module_may_take_the_input_and_gives_it_back);
           RUN(modes_that_are_not_built_are_refused))

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+#include "modules/ttl_modes.h"
+
+#include <stddef.h>
+
+#include "core/axis.h"
+#include "modules/ring_buffer.h"
+#include "modules/scan.h"
+#include "modules/ttl_in.h"
+#include "modules/ttl_out.h"
+#include "modules/z_stack.h"
+
+/* The profiles that have a mode. */
+enum {
+    ALL = 1 << TTL_PROFILE_ALL,
+    IN0 = 1 << TTL_PROFILE_IN0_INT,
+    ENC = 1 << TTL_PROFILE_ENC_INT,
+    REPORT = 1 << TTL_PROFILE_REPORT_INT,
+    ORDINARY = ALL | IN0,
+};
+
+/* The first that fits counts. */
+const struct ttl_in_mode ttl_in_modes[] = {
+    {.number = 0, .profiles = ALL | IN0 | ENC | REPORT},
+    {.number = 1, .profiles = ALL, .pixels = true, .trigger = ring_buffer_trigger},
+    {.number = 1, .profiles = IN0, .trigger = ring_buffer_trigger},
+    {.number = 1, .profiles = ENC, .pixels = true},
+    {.number = 2, .profiles = ORDINARY, .trigger = ttl_in_repeat},
+    {.number = 4, .profiles = ORDINARY, .trigger = z_stack_step},
+    {.number = 5, .profiles = ORDINARY, .trigger = ttl_in_report, .end = ttl_in_report_end},
+    {.number = 6, .profiles = ALL, .pixels = true, .trigger = scan_trigger},
+    {.number = 6, .profiles = IN0, .trigger = scan_trigger},
+    {.number = 10, .profiles = ORDINARY, .trigger = ttl_out_toggle},
+    {.number = 12, .profiles = ORDINARY, .trigger = ring_buffer_trigger_relative},
+    {0},
+};
+
+const struct ttl_out_mode ttl_out_modes[] = {
+    {.number = 0, .begin = ttl_out_low},
+    {.number = 1, .begin = ttl_out_high},
+    {.number = 2, .begin = ttl_out_low, .end = ttl_out_end_pulse},
+    {.number = 3, .argument = 0, .level = ttl_out_at_constant_speed},
+#if AXIS_COUNT > 1
+    {.number = 4, .argument = 1, .level = ttl_out_at_constant_speed},
+#endif
+#if AXIS_COUNT > 2
+    {.number = 5, .argument = 2, .level = ttl_out_at_constant_speed},
+#endif
+#if AXIS_COUNT > 3
+    {.number = 6, .argument = 3, .level = ttl_out_at_constant_speed},
+#endif
+    {.number = -1},
+};

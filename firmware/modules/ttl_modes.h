@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/**
+ * The modes of the TTL connectors: what TTL X=n and TTL Y=n mean, one row each.
+ *
+ * A module that has a mode gives it as a row of the tables in ttl_modes.c; nothing else knows of it.
+ * Main loop only.
+ */
+#ifndef MODULES_TTL_MODES_H
+#define MODULES_TTL_MODES_H
+
+#include <stdbool.h>
+
+/** Builds of the original that the input can be taken for (BUILD F), and all of them in one. */
+enum ttl_profile {
+    TTL_PROFILE_ALL,
+    TTL_PROFILE_IN0_INT,
+    TTL_PROFILE_ENC_INT,
+    TTL_PROFILE_REPORT_INT,
+    TTL_PROFILES,
+};
+
+/** Number of a mode that any number but 0 selects, where no row before it has that number. */
+#define TTL_IN_ANY (-1)
+
+/** What the input does in a mode. All functions may be NULL. */
+struct ttl_in_mode {
+    int number;
+    unsigned profiles;     /* that have it: 1 << enum ttl_profile, or-ed; 0 ends the table */
+    bool pixels;           /* the pixels of a scan give pulses */
+    void (*begin)(void);   /* the mode was selected */
+    void (*trigger)(void); /* a rising edge at IN0, or bare RM */
+    void (*end)(void);     /* another mode is selected */
+};
+
+/** What OUT0 does in a mode. */
+struct ttl_out_mode {
+    int number;            /* below 0 ends the table */
+    unsigned argument;     /* of `level` */
+    void (*begin)(void);   /* the mode was selected: gives OUT0 its state */
+    bool (*level)(unsigned argument); /* of OUT0, asked each turn of the main loop; or NULL */
+    void (*end)(void);     /* another mode is selected; or NULL */
+};
+
+extern const struct ttl_in_mode ttl_in_modes[];
+extern const struct ttl_out_mode ttl_out_modes[];
+
+#endif
