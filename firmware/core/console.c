@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/events.h"
+#include "core/number.h"
 #include "core/report.h"
 
 /*
@@ -37,11 +38,15 @@ void console_init(struct console *console, struct ring *receive, struct ring *tr
 
 static void put_lost(struct console *console)
 {
+    char number[NUMBER_TEXT_MAX];
+    size_t length;
+
     if (console->lost == 0)
         return;
+    length = number_format(number, console->lost, 0);
     ring_put(&console->queue, lost_mark);
-    for (uint32_t unit = 1000000000; unit > 0; unit /= 10)
-        ring_put(&console->queue, (uint8_t)('0' + console->lost / unit % 10));
+    for (size_t i = 0; i < length; i++)
+        ring_put(&console->queue, (uint8_t)number[i]);
     ring_put(&console->queue, '\r');
     console->lost = 0;
 }
@@ -178,7 +183,8 @@ static void run_frame(struct console *console, size_t length)
 
 static void next_line(struct console *console)
 {
-    size_t length = 0;
+    size_t length = 0, used;
+    double lost = 0;
     uint8_t byte;
 
     if (console->refusals == 0 && ring_used(&console->queue) == 0) {
@@ -206,8 +212,8 @@ static void next_line(struct console *console)
         return;
     }
     if (console->text[0] == (char)lost_mark) {
-        for (size_t i = 1; i < length; i++)
-            console->refusals = 10 * console->refusals + (uint32_t)(console->text[i] - '0');
+        (void)number_parse(console->text + 1, length - 1, &lost, &used);
+        console->refusals = (uint32_t)lost;
         next_line(console);
         return;
     }

@@ -28,6 +28,7 @@ enum fault {
     FAULT_FINISH_SPEED_CLAMP = 44,
     FAULT_TASK_OVERTIME = 48,         /* an event queue or the servo tick overran */
     FAULT_ENCODER_OVERFLOW = 50,      /* + axis: error term too large; axis stopped */
+    FAULT_NOT_LOADED = 55,            /* settings that were kept could not be loaded, all or some */
     FAULT_ADJUST_MOVE = 60,           /* + axis: could not hold the target */
     FAULT_SCAN_LOST_PULSES = 85,
     FAULT_SCAN_INCOMPLETE = 86,

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/command.h"
+#include "core/fault.h"
 #include "core/module.h"
 
 /* Kept under this key: non-zero after SS X. No parameter's hash is 0 (settings_key). */
@@ -11,6 +12,7 @@ enum { KEY_FACTORY = 0 };
 
 static const struct settings_store *store = &settings_ram;
 static bool loading;
+static bool passed_over; /* a value that was kept has not been loaded */
 
 void settings_init(const struct settings_store *use)
 {
@@ -68,9 +70,13 @@ static void load(const struct parameter *row, unsigned axis)
 {
     double value;
 
-    if (store->read(settings_key(row, axis), &value) && value >= row->minimum &&
-        value <= row->maximum && (row->check == NULL || row->check(axis, value) == STATUS_OK))
+    if (!store->read(settings_key(row, axis), &value))
+        return;
+    if (value >= row->minimum && value <= row->maximum &&
+        (row->check == NULL || row->check(axis, value) == STATUS_OK))
         parameter_store(row, axis, value);
+    else
+        passed_over = true;
 }
 
 static bool load_saved(const struct parameter *row, unsigned axis)
@@ -92,16 +98,24 @@ static bool save(const struct parameter *row, unsigned axis)
     return !is_kept(row, SAVED_BY_SS) || store->write(settings_key(row, axis), row->value[axis]);
 }
 
+static void log_passed_over(void)
+{
+    if (passed_over)
+        log_error(FAULT_NOT_LOADED);
+}
+
 void settings_load(void)
 {
     double factory;
 
     loading = true;
+    passed_over = store->damaged != NULL && store->damaged();
     (void)for_each(set_initial);
     if (!store->read(KEY_FACTORY, &factory) || factory == 0)
         (void)for_each(load_saved);
     (void)for_each(load_kept_at_once);
     loading = false;
+    log_passed_over();
 }
 
 bool settings_loading(void)
@@ -122,7 +136,9 @@ bool settings_save(void)
 
 bool settings_restore(void)
 {
+    passed_over = false;
     (void)for_each(load_saved);
+    log_passed_over();
     return settings_write(KEY_FACTORY, 0);
 }
 

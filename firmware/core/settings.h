@@ -26,6 +26,7 @@ struct settings_store {
     bool (*read)(uint32_t key, double *value); /* false: no such key */
     bool (*write)(uint32_t key, double value); /* false: full */
     bool (*commit)(void);                      /* all writes so far, together; false: not kept */
+    bool (*damaged)(void);                     /* some of what was kept cannot be read; or NULL */
 };
 
 extern const struct settings_store settings_ram;
@@ -42,7 +43,10 @@ void settings_init(const struct settings_store *store);
 /** Keep one value now: parameters of class SAVED_AT_ONCE, called by the dispatcher. */
 void settings_keep(const struct parameter *parameter, unsigned axis);
 
-/** Give every parameter its initial value, then what is kept. Start-up and RESET. */
+/**
+ * Give every parameter its initial value, then what is kept. Start-up and RESET. Logs 55 when some of
+ * that cannot be read, or may not be the value of its parameter.
+ */
 void settings_load(void);
 /**
  * settings_load is at work: values are set one after the other, and each module's init comes after

@@ -63,4 +63,6 @@ bool settings_ram_entry(unsigned n, uint32_t *key, double *value)
     return true;
 }
 
-const struct settings_store settings_ram = {ram_read, ram_write, ram_commit};
+const struct settings_store settings_ram = {
+    .read = ram_read, .write = ram_write, .commit = ram_commit,
+};

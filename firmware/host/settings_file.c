@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "host/settings_file.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 
 static char path[1024];
+static bool dropped; /* something in the file on disk was not understood */
 
 /* Entries live in RAM; the file is their image. */
 static bool commit(void)
@@ -20,7 +22,15 @@ static bool commit(void)
     for (unsigned n = 0; settings_ram_entry(n, &key, &value); n++)
         fprintf(file, "%08" PRIx32 " %a\n", key, value);
     bool written = ferror(file) == 0;
-    return fclose(file) == 0 && written && rename(beside, path) == 0;
+    if (fclose(file) != 0 || !written || rename(beside, path) != 0)
+        return false;
+    dropped = false;
+    return true;
+}
+
+static bool damaged(void)
+{
+    return dropped;
 }
 
 const struct settings_store *settings_file(const char *name)
@@ -32,13 +42,15 @@ const struct settings_store *settings_file(const char *name)
 
     store = settings_ram;
     store.commit = commit;
+    store.damaged = damaged;
     snprintf(path, sizeof path, "%s", name);
     FILE *file = fopen(path, "r");
+    dropped = file == NULL && errno != ENOENT;
     if (file == NULL)
         return &store;
     while (fgets(line, sizeof line, file) != NULL)
-        if (sscanf(line, "%" SCNx32 " %la", &key, &value) == 2)
-            (void)store.write(key, value);
+        if (sscanf(line, "%" SCNx32 " %la", &key, &value) != 2 || !store.write(key, value))
+            dropped = true;
     fclose(file);
     return &store;
 }

@@ -12,7 +12,7 @@
 
 /**
  * The store over a file, read now; one that is not there yet is empty. Lines it does not
- * understand are dropped. One store a process.
+ * understand are dropped, and the store is damaged until the next commit. One store a process.
  */
 const struct settings_store *settings_file(const char *path);
 

@@ -47,6 +47,9 @@ static void start(bool power_up)
     if (power_up)
         save_positions_restore();
     settings_load();
+    /* A RESET moves the 0 and may bring back another scale, but none of the places. */
+    if (!power_up)
+        (void)save_positions_keep_places();
     for (const struct module *const *module = firmware_modules; *module != NULL; module++)
         if ((*module)->init != NULL)
             (*module)->init();

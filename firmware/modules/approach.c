@@ -31,10 +31,10 @@ void approach_plan(struct motion_move *move)
         move->via_counts[move->via_count++] = target + (way > 0 ? overshoot : -overshoot);
 }
 
-/* The original's answer is the setting cut to whole counts. */
-static double cut(unsigned axis, double mm)
+/* The original's answer: what the setting comes to in whole counts, of the scale that holds now. */
+static double get_overshoot(unsigned axis)
 {
-    return whole_counts(axis, mm) / coordinates_counts_per_mm(axis);
+    return whole_counts(axis, overshoot_mm[axis]) / coordinates_counts_per_mm(axis);
 }
 
 static const struct parameter parameters[] = {
@@ -46,7 +46,8 @@ static const struct parameter parameters[] = {
     {
         .command = "OVERSHOOT", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 6,
         .unit = "mm", .summary = "By how much a move passes its target; 0: not.",
-        .minimum = 0, .maximum = 100, .saved = SAVED_BY_SS, .value = overshoot_mm, .adjust = cut,
+        .minimum = 0, .maximum = 100, .saved = SAVED_BY_SS, .value = overshoot_mm,
+        .get = get_overshoot,
     },
     {0},
 };

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "core/settings.h"
 #include "modules/tuning.h"
 
 /* Where the user's 0 is, counts; has a fraction, so that HERE names a place exactly. */
@@ -82,6 +83,21 @@ int32_t coordinates_stage_mm_to_counts(unsigned axis, double mm)
 double coordinates_counts_to_stage_mm(unsigned axis, int32_t counts)
 {
     return ((double)counts - origin_counts[axis]) / counts_per_mm[axis];
+}
+
+bool coordinates_keep_place(const char *name, unsigned axis, int32_t counts)
+{
+    return settings_write(settings_key_of(name, AXIS_LETTERS[axis]),
+                          coordinates_counts_to_stage_mm(axis, counts));
+}
+
+int32_t coordinates_kept_place(const char *name, unsigned axis, double otherwise_mm)
+{
+    double mm;
+
+    if (!settings_read(settings_key_of(name, AXIS_LETTERS[axis]), &mm))
+        mm = otherwise_mm;
+    return coordinates_stage_mm_to_counts(axis, mm);
 }
 
 int32_t coordinates_mm_to_counts(unsigned axis, double mm)

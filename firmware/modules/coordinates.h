@@ -55,6 +55,12 @@ double coordinates_counts_to_mm(unsigned axis, int32_t counts);
 double coordinates_counts_to_stage_mm(unsigned axis, int32_t counts);
 int32_t coordinates_stage_mm_to_counts(unsigned axis, double mm);
 
+/** Keep a place in the settings store, as stage mm, under a command's name. False: not kept. */
+bool coordinates_keep_place(const char *name, unsigned axis, int32_t counts);
+
+/** The place kept under a name, or another, stage mm, if none is. After the settings, as these scale. */
+int32_t coordinates_kept_place(const char *name, unsigned axis, double otherwise_mm);
+
 /** Let a count be 0 for the user. Start-up and RESET; before the settings are loaded. */
 void coordinates_set_origin(unsigned axis, int32_t counts);
 

@@ -11,8 +11,7 @@ enum {
     SAMPLES_AT_ONCE = 4, /* what fits REPLY_MAX */
 };
 
-/* Ten minutes in fast clocks. */
-#define MARK_FAST (UINT64_C(600) * 200000000)
+#define MARK_FAST (600 * EVENTS_FAST_PER_S)
 
 struct sample {
     uint32_t turn;

@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "core/axis.h"
-#include "core/settings.h"
 #include "modules/coordinates.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
@@ -26,21 +25,15 @@ static enum status home(const struct request *request, struct reply *reply)
     (void)reply;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if (request_argument(request, axis_letter(axis)) != NULL) {
-            targets[axis] = limits_nearest(axis, home_counts[axis]);
+            targets[axis] = limits_nearest(axis, motion_place_counts(axis), home_counts[axis]);
             axes |= MOTION_AXIS(axis);
         }
     return move_to(&owner, axes, targets) ? STATUS_OK : STATUS_FAILED;
 }
 
-/* Kept in stage mm. */
-static uint32_t key_of(unsigned axis)
-{
-    return settings_key_of("SETHOME", AXIS_LETTERS[axis]);
-}
-
 static bool keep(unsigned axis)
 {
-    return settings_write(key_of(axis), coordinates_counts_to_stage_mm(axis, home_counts[axis]));
+    return coordinates_keep_place("SETHOME", axis, home_counts[axis]);
 }
 
 bool home_keep(void)
@@ -52,16 +45,10 @@ bool home_keep(void)
     return kept;
 }
 
-/* After the settings, as these scale. */
 static void init(void)
 {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        double mm;
-
-        if (!settings_read(key_of(axis), &mm))
-            mm = DEFAULT_MM;
-        home_counts[axis] = coordinates_stage_mm_to_counts(axis, mm);
-    }
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        home_counts[axis] = coordinates_kept_place("SETHOME", axis, DEFAULT_MM);
 }
 
 static double get(unsigned axis)

@@ -14,7 +14,7 @@
 #include "modules/tuning.h"
 
 /* Time between two looks at the hand: making a plan takes the processor up to a millisecond. */
-#define LOOK_FAST (20u * 200000u)
+#define LOOK_FAST (20 * EVENTS_FAST_PER_MS)
 
 /* Of half the range: what counts as the middle, and how much a deflection must change. */
 #define DEADBAND 0.06
@@ -176,7 +176,8 @@ static void drive(unsigned axis, double deflected)
         return;
     share = share_of_speed(deflected);
     target_counts =
-        limits_nearest(axis, share > 0 ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX);
+        limits_nearest(axis, motion_position_counts(axis),
+                       share > 0 ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX);
     if ((share > 0) != (target_counts > motion_position_counts(axis)) || !may_move(axis))
         return;
     hand->deflection = deflected;
@@ -201,7 +202,8 @@ static void turn(unsigned axis, unsigned knob, int32_t edges)
         return;
     hand->rest_counts = modf(hand->rest_counts + edges * counts_per_edge, &whole_counts);
     if (whole_counts != 0)
-        start(axis, limits_nearest(axis, motion_target_counts(axis) + (int32_t)whole_counts),
+        start(axis, limits_nearest(axis, motion_place_counts(axis),
+                                   motion_target_counts(axis) + (int32_t)whole_counts),
               tuning_counts_per_s(axis, tuning_speed_mm_per_s(axis)));
 }
 

@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "core/axis.h"
-#include "core/settings.h"
 #include "modules/coordinates.h"
 #include "modules/motion.h"
 
@@ -21,24 +20,23 @@ enum fault limits_fault(unsigned axis, bool high)
     return high != coordinates_mirrored(axis) ? FAULT_LIMIT_UPPER : FAULT_LIMIT_LOWER;
 }
 
-int32_t limits_clip(unsigned axis, int32_t counts)
+int32_t limits_nearest(unsigned axis, int32_t from_counts, int32_t counts)
 {
-    if (counts > high_counts[axis]) {
-        log_error((uint16_t)limits_fault(axis, true));
-        return high_counts[axis];
-    }
-    if (counts < low_counts[axis]) {
-        log_error((uint16_t)limits_fault(axis, false));
-        return low_counts[axis];
-    }
-    return counts;
+    const int32_t high = from_counts > high_counts[axis] ? from_counts : high_counts[axis];
+    const int32_t low = from_counts < low_counts[axis] ? from_counts : low_counts[axis];
+
+    if (counts > high)
+        return high;
+    return counts < low ? low : counts;
 }
 
-int32_t limits_nearest(unsigned axis, int32_t counts)
+int32_t limits_clip(unsigned axis, int32_t from_counts, int32_t counts)
 {
-    if (counts > high_counts[axis])
-        return high_counts[axis];
-    return counts < low_counts[axis] ? low_counts[axis] : counts;
+    const int32_t nearest = limits_nearest(axis, from_counts, counts);
+
+    if (nearest != counts)
+        log_error((uint16_t)limits_fault(axis, nearest < counts));
+    return nearest;
 }
 
 bool limits_allow(unsigned axis, int32_t counts)
@@ -62,17 +60,11 @@ static int32_t *limit(unsigned axis, bool upper)
     return upper != coordinates_mirrored(axis) ? &high_counts[axis] : &low_counts[axis];
 }
 
-/* Of the limit at the high or the low end of the counts, kept in stage mm. */
-static uint32_t key_of(unsigned axis, bool high)
-{
-    return settings_key_of(high ? "SETUP" : "SETLOW", AXIS_LETTERS[axis]);
-}
-
+/* The names tell the ends of the counts. */
 static bool keep(unsigned axis, bool high)
 {
-    const int32_t counts = high ? high_counts[axis] : low_counts[axis];
-
-    return settings_write(key_of(axis, high), coordinates_counts_to_stage_mm(axis, counts));
+    return high ? coordinates_keep_place("SETUP", axis, high_counts[axis])
+                : coordinates_keep_place("SETLOW", axis, low_counts[axis]);
 }
 
 bool limits_keep(void)
@@ -84,20 +76,16 @@ bool limits_keep(void)
     return kept;
 }
 
-/* After the settings, as these scale. A pair that leaves no room was never kept by SETLOW or SETUP. */
+/* A pair that leaves no room was never kept by SETLOW or SETUP. */
 static void init(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        double low_mm = -TRAVEL_MM, high_mm = TRAVEL_MM;
-
-        (void)settings_read(key_of(axis, false), &low_mm);
-        (void)settings_read(key_of(axis, true), &high_mm);
-        if (!(low_mm < high_mm)) {
-            low_mm = -TRAVEL_MM;
-            high_mm = TRAVEL_MM;
+        low_counts[axis] = coordinates_kept_place("SETLOW", axis, -TRAVEL_MM);
+        high_counts[axis] = coordinates_kept_place("SETUP", axis, TRAVEL_MM);
+        if (low_counts[axis] >= high_counts[axis]) {
+            low_counts[axis] = coordinates_stage_mm_to_counts(axis, -TRAVEL_MM);
+            high_counts[axis] = coordinates_stage_mm_to_counts(axis, TRAVEL_MM);
         }
-        low_counts[axis] = coordinates_stage_mm_to_counts(axis, low_mm);
-        high_counts[axis] = coordinates_stage_mm_to_counts(axis, high_mm);
     }
 }
 

@@ -143,6 +143,24 @@ static double initial_address(unsigned axis)
     return FIRST_ADDRESS + axis;
 }
 
+/* A number is one axis': of the line as a whole, in which two may change theirs. */
+static enum status check_addresses(const struct request *request)
+{
+    int32_t wanted[AXIS_COUNT];
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        const struct argument *argument = request_argument(request, axis_letter(axis));
+
+        wanted[axis] = argument == NULL || argument->kind == ARGUMENT_QUERY
+                           ? (int32_t)addresses[axis]
+                           : (int32_t)argument->value;
+        for (unsigned other = 0; other < axis; other++)
+            if (wanted[other] == wanted[axis])
+                return STATUS_RANGE;
+    }
+    return STATUS_OK;
+}
+
 static void init(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
@@ -151,8 +169,8 @@ static void init(void)
 
 static const struct command commands[] = {
     {
-        .name = "LLADDR", .shortcut = "LL", .form = FORM_P,
-        .summary = "Numbers of axes in the low-level format.",
+        .name = "LLADDR", .shortcut = "LL", .form = FORM_P, .check = check_addresses,
+        .summary = "Numbers of axes in the low-level format, all different.",
     },
     {0},
 };

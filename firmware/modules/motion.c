@@ -184,13 +184,16 @@ void motion_start(const struct motion_move *moves, unsigned count)
 {
     for (unsigned i = 0; i < count; i++) {
         struct motion *m = &motions[moves[i].axis];
+        int32_t from_counts;
 
         if (!axis_enabled(moves[i].axis))
             continue;
+        from_counts = motion_place_counts(moves[i].axis);
         m->move = moves[i];
-        m->move.target_counts = limits_clip(moves[i].axis, moves[i].target_counts);
+        m->move.target_counts = limits_clip(moves[i].axis, from_counts, moves[i].target_counts);
         for (unsigned n = 0; n < m->move.via_count; n++)
-            m->move.via_counts[n] = limits_nearest(moves[i].axis, m->move.via_counts[n]);
+            m->move.via_counts[n] =
+                limits_nearest(moves[i].axis, from_counts, m->move.via_counts[n]);
         m->leg = 0;
         m->end_counts = m->move.target_counts;
         m->waiting = true;
@@ -292,6 +295,11 @@ bool motion_in_position(unsigned axis)
 int32_t motion_position_counts(unsigned axis)
 {
     return axis_position_counts(axis);
+}
+
+int32_t motion_place_counts(unsigned axis)
+{
+    return motion_in_position(axis) ? motion_target_counts(axis) : motion_position_counts(axis);
 }
 
 int32_t motion_target_counts(unsigned axis)

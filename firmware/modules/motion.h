@@ -112,6 +112,11 @@ bool motion_in_position(unsigned axis);
 /** Position as of the last servo tick. */
 int32_t motion_position_counts(unsigned axis);
 
+/**
+ * Where the axis is: at rest its target, which friction holds it near, otherwise its position.
+ */
+int32_t motion_place_counts(unsigned axis);
+
 /** Where the axis is or will be at rest: target of the last move, or where it was stopped. */
 int32_t motion_target_counts(unsigned axis);
 

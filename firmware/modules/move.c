@@ -149,13 +149,9 @@ static enum status where(const struct request *request, struct reply *reply)
     return STATUS_OK;
 }
 
-/* Name the present place of an axis. At rest that is its target, which friction holds it near. */
 static void name(unsigned axis, double user)
 {
-    int32_t counts = motion_in_position(axis) ? motion_target_counts(axis)
-                                              : motion_position_counts(axis);
-
-    coordinates_name(axis, counts, user);
+    coordinates_name(axis, motion_place_counts(axis), user);
     events_publish(EVENT_ORIGIN_MOVED, axis, events_now());
 }
 

@@ -53,9 +53,16 @@ static bool all_rest(void)
     return true;
 }
 
+bool save_positions_keep_places(void)
+{
+    const bool limits_kept = limits_keep();
+
+    return home_keep() && limits_kept;
+}
+
 static bool store(void)
 {
-    bool stored = limits_keep() && home_keep();
+    bool stored = save_positions_keep_places();
 
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         stored &= settings_write(key_of(axis), counts_from_origin(axis));

@@ -13,6 +13,9 @@ extern const struct module save_positions_module;
 /** True from the acknowledge of SP on: nothing is to be carried out any more. */
 bool save_positions_is_down(void);
 
+/** Keep limits and home anew, from the 0 and in the scale that hold now. False: not kept. */
+bool save_positions_keep_places(void);
+
 /**
  * Power-up, once, before the settings are loaded: give the axes their stored coordinates, if there
  * are any, and forget them, as they hold for one power-up.

@@ -3,9 +3,8 @@
 
 #include <string.h>
 
+#include "core/events.h"
 #include "modules/axis.h"
-
-#define FAST_PER_MS 200000.0
 
 static struct watch {
     struct settling result;
@@ -32,7 +31,7 @@ static void note_arrival(struct watch *w, const struct axis_report *report)
     if (!w->settling || report->arrival_time_fast < w->since_fast)
         return;
     w->count++;
-    w->result.last_ms = (double)(report->arrival_time_fast - w->since_fast) / FAST_PER_MS;
+    w->result.last_ms = (double)(report->arrival_time_fast - w->since_fast) / EVENTS_FAST_PER_MS;
     w->result.mean_ms += (w->result.last_ms - w->result.mean_ms) / w->count;
 }
 

@@ -2,7 +2,7 @@
 /*
  * One axis after the other:
  *
- *     REST    at rest, regulated
+ *     REST    at rest, regulated; a wait for it after power-up, RESET and MC +
  *     STRONG  open loop, a strong drive, until the speed is steady
  *     WEAK    a weaker one, until it is steady
  *     REST, STRONG, WEAK  the other way
@@ -16,6 +16,7 @@
 #include <stdatomic.h>
 #include <stddef.h>
 
+#include "core/events.h"
 #include "core/fault.h"
 #include "hal/pwm.h"
 #include "modules/axis.h"
@@ -35,7 +36,7 @@
 #define ROOM_S 0.15
 
 /* Of the whole of an axis, and the speed and the ramp of the way back. */
-#define PATIENCE_FAST (UINT64_C(3) * 200000000)
+#define PATIENCE_FAST (3 * EVENTS_FAST_PER_S)
 #define RETURN_SHARE 0.5
 #define RETURN_RAMP_MS 50.0
 
@@ -125,6 +126,15 @@ static bool is_at_rest(unsigned axis)
     return view.mode == LOOP_IDLE && !view.planned && axis_handover(axis) == AXIS_HANDOVER_NONE;
 }
 
+/* Regulated at rest soon, if it is not yet. */
+static bool comes_to_rest(unsigned axis)
+{
+    struct axis_view view;
+
+    axis_read(axis, &view);
+    return view.mode == LOOP_FREE || is_at_rest(axis);
+}
+
 /* The direction in which there is room for a run, or 0. */
 static int find_room(unsigned axis)
 {
@@ -147,6 +157,8 @@ static void drive(int32_t steps)
 
 static void begin_run(void)
 {
+    if (tuner.runs == 0)
+        tuner.start_counts = motion_target_counts(tuner.axis);
     run.strong_steps = tuner.direction * STRONG_STEPS;
     run.weak_steps = tuner.direction * WEAK_STEPS;
     strong_turns = 0;
@@ -261,7 +273,6 @@ static void next_axis(void)
     tuner.direction = find_room(tuner.axis);
     tuner.runs = 0;
     tuner.changed = false;
-    tuner.start_counts = motion_target_counts(tuner.axis);
     tuner.began_fast = axis_time_fast();
     tuner.phase = PHASE_REST;
     if (tuner.direction == 0)
@@ -310,7 +321,7 @@ static enum status azero(const struct request *request, struct reply *reply)
     }
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if (request_argument(request, axis_letter(axis)) != NULL) {
-            if (!motion_ready(axis) || motion_axis_busy(axis) || !is_at_rest(axis) ||
+            if (!motion_ready(axis) || motion_axis_busy(axis) || !comes_to_rest(axis) ||
                 find_room(axis) == 0)
                 return STATUS_FAILED;
             axes |= MOTION_AXIS(axis);

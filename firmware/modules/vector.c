@@ -33,7 +33,8 @@ static void run(unsigned axis, double mm_per_s)
     bool up = (mm_per_s > 0) != coordinates_mirrored(axis);
     struct motion_move move = {
         .axis = axis,
-        .target_counts = limits_nearest(axis, up ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX),
+        .target_counts = limits_nearest(axis, motion_place_counts(axis),
+                                        up ? COORDINATES_COUNTS_MAX : -COORDINATES_COUNTS_MAX),
         .speed_counts_per_s = tuning_counts_per_s(axis, speed),
         .ramp_ms = tuning_ramp_ms(axis) * fmin(share, 1),
     };

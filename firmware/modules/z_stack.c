@@ -11,8 +11,6 @@
 /* ZS M. */
 enum state { STATE_START = 0, STATE_UP = 1, STATE_DOWN = 2 };
 
-#define FAST_PER_MS 200000.0
-
 static const struct motion_owner owner = {.name = "z stack", .busy = true, .letter = 'B'};
 
 static double step_user, slices, triangle, timeout_ms;
@@ -65,7 +63,7 @@ static void next_slice(void)
 void z_stack_step(void)
 {
     next_slice();
-    over_fast = events_now() + (uint64_t)(timeout_ms * FAST_PER_MS);
+    over_fast = events_now() + (uint64_t)(timeout_ms * EVENTS_FAST_PER_MS);
     go_to_slice();
 }
 

@@ -27,11 +27,11 @@ void port_start(const struct module *const *modules)
     held = false;
     (void)command_init(modules);
     (void)events_init(modules);
+    fault_clear();
     settings_load();
     for (; *modules != NULL; modules++)
         if ((*modules)->init != NULL)
             (*modules)->init();
-    fault_clear();
     console_init(&port_console, &receive, &transmit, NULL);
 }
 

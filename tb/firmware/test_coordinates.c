@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "closed_loop.h"
+#include "core/fault.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
 #include "modules/limits.h"
@@ -129,6 +130,52 @@ TEST(moves_end_at_the_soft_limits)
     CHECK_TEXT(closed_loop_send("RS X-"), ":A L\r\n");
 }
 
+/* Every way to go further out, and that it stands. The log says which limit it was, or nothing. */
+#define CHECK_STAYS(line, fault)                                                                   \
+    do {                                                                                           \
+        const int32_t before = motion_target_counts(0);                                            \
+                                                                                                   \
+        fault_clear();                                                                             \
+        SEND(line);                                                                                \
+        closed_loop_run(500);                                                                      \
+        CHECK_INT(motion_target_counts(0), before);                                                \
+        CHECK_INT(fault_read(0), fault);                                                           \
+    } while (0)
+
+/* For instance when a limit was set behind it. */
+TEST(a_move_from_outside_a_limit_never_goes_the_other_way_than_asked)
+{
+    closed_loop_start(NULL);
+    SEND("M X=50000");
+    CHECK(closed_loop_wait(50000) >= 0);
+    SEND("SU X=3");
+    CHECK_STAYS("R X=100", FAULT_LIMIT_UPPER);
+    CHECK_STAYS("M X=70000", FAULT_LIMIT_UPPER);
+    CHECK_STAYS("VE X=0.5", FAULT_NONE);
+    CHECK_STAYS("! X", FAULT_NONE);
+    SEND("OS X=0.1");
+    CHECK_STAYS("R X=100", FAULT_LIMIT_UPPER);
+    SEND("OS X=0");
+    /* Back by just what was asked, though that is still outside. */
+    SEND("R X=-10000");
+    CHECK(closed_loop_wait(50000) >= 0);
+    CHECK_INT(motion_target_counts(0), 4 * 45396);
+    CHECK_STAYS("R X=10000", FAULT_LIMIT_UPPER);
+    SEND("M X=10000");
+    CHECK(closed_loop_wait(50000) >= 0);
+    CHECK_INT(motion_target_counts(0), 45396);
+    SEND("M X=40000");
+    CHECK(closed_loop_wait(50000) >= 0);
+    CHECK_INT(motion_target_counts(0), 3 * 45396);
+    /* The same at the other end, of a mirrored axis. */
+    SEND("UM X=-10000");
+    SEND("SL X=-1");
+    CHECK_STAYS("R X=-100", FAULT_LIMIT_LOWER);
+    SEND("R X=10000");
+    CHECK(closed_loop_wait(50000) >= 0);
+    CHECK_INT(motion_target_counts(0), 2 * 45396);
+}
+
 TEST(limits_keep_their_place_when_the_origin_moves)
 {
     closed_loop_start(NULL);
@@ -234,6 +281,7 @@ TEST_MAIN(RUN(a_name_beyond_the_counts_is_refused); RUN(a_place_is_the_nearest_c
           RUN(here_names_a_place_exactly);
           RUN(a_multiplier_of_zero_is_refused);
           RUN(moves_end_at_the_soft_limits);
+          RUN(a_move_from_outside_a_limit_never_goes_the_other_way_than_asked);
           RUN(limits_keep_their_place_when_the_origin_moves);
           RUN(limits_are_those_of_the_mirrored_axis);
           RUN(a_limit_beyond_the_other_is_ignored);

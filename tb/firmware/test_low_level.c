@@ -136,7 +136,24 @@ TEST(addresses_can_be_changed)
     CHECK_TEXT(HEX("\377B\030?\000:\041?\000:\377A"), "62 ");
 }
 
-TEST_MAIN(RUN(moves_to_a_target_in_tenths_of_a_micron); RUN(negative_places_are_twos_complement);
+/* A frame must not mean two axes. Within a line two may change theirs. */
+TEST(an_address_is_one_axis)
+{
+    start();
+    SEND("LL X=25", ":N-4\r\n");
+    SEND("LL X=25.9", ":N-4\r\n");
+    SEND("LL X=40 Y=40", ":N-4\r\n");
+    SEND("LL X=25 Z=50", ":N-4\r\n");
+    SEND("LL X? Y? Z? F?", ":A X=24 Y=25 Z=26 F=27\r\n");
+    SEND("LL X=25 Y=24", ":A \r\n");
+    SEND("LL X=25", ":A \r\n");
+    SEND("LL Z X?", ":A X=25\r\n"); /* 0 */
+    SEND("LL X? Y? Z?", ":A X=25 Y=24 Z=0\r\n");
+    SEND("LL F", ":N-4\r\n");
+}
+
+TEST_MAIN(RUN(an_address_is_one_axis); RUN(moves_to_a_target_in_tenths_of_a_micron);
+          RUN(negative_places_are_twos_complement);
           RUN(position_and_status_come_together);
           RUN(places_follow_the_direction_of_um_and_not_its_scale);
           RUN(increments_move_up_and_down); RUN(a_motor_is_stopped_and_started);

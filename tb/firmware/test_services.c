@@ -240,13 +240,16 @@ static bool commit_not(void)
 
 TEST(ignores_saved_values_that_are_out_of_range_and_reports_a_full_store)
 {
-    static const struct settings_store broken = {read_wrong, write_full, commit_not};
+    static const struct settings_store broken = {
+        .read = read_wrong, .write = write_full, .commit = commit_not};
 
     settings_init(&broken);
     memory = 1e12;
     start();
     CHECK_TEXT(port_send("G X?"), ":X=50 A\r\n");
+    CHECK_INT(fault_read(0), FAULT_NOT_LOADED);
     memory = 60;
+    fault_clear();
     start();
     CHECK_TEXT(port_send("G X?"), ":X=60 A\r\n");
     CHECK(!settings_save());

@@ -265,6 +265,24 @@ TEST(it_is_refused_where_nothing_may_move)
     CHECK_INT(fault_read(0), FAULT_NONE);
 }
 
+/* As right after power-up and RESET: 10 ms of standing still come first. */
+TEST(it_waits_for_an_axis_that_is_about_to_be_regulated)
+{
+    struct axis_view view;
+
+    start(NULL);
+    SEND("KV X=20 Y=20");
+    SEND("MC X-");
+    closed_loop_run(10);
+    SEND("MC X+");
+    axis_read(0, &view);
+    CHECK_INT(view.mode, LOOP_FREE);
+    TUNE("AZ X Y");
+    CHECK_FOUND(1, 1, 1);
+    CHECK(is_near(tuning_gains(1).kv, tuning_gains(0).kv, 0.02));
+    CHECK_INT(board_count(closed_loop_board(), 0), 0);
+}
+
 TEST(the_emergency_stop_ends_it)
 {
     struct pid_gains before, after;
@@ -395,7 +413,8 @@ TEST_MAIN(RUN(the_gains_are_those_of_the_motor); RUN(friction_is_measured);
           RUN(it_answers_at_its_end_and_stands_where_it_began);
           RUN(axes_are_measured_one_after_the_other);
           RUN(a_halt_ends_it_with_the_gains_as_they_were);
-          RUN(it_is_refused_where_nothing_may_move); RUN(the_emergency_stop_ends_it);
+          RUN(it_is_refused_where_nothing_may_move);
+          RUN(it_waits_for_an_axis_that_is_about_to_be_regulated); RUN(the_emergency_stop_ends_it);
           RUN(limits_are_kept); RUN(a_run_that_gets_to_a_limit_ends);
           RUN(a_limit_switch_refuses_it_and_ends_it);
           RUN(a_cut_motor_wire_is_a_dead_axis); RUN(a_reversed_motor_is_found_out);

@@ -248,6 +248,10 @@ TEST(a_target_is_passed_by_the_overshoot)
     start();
     SEND("OS X=0.05");
     CHECK_TEXT(closed_loop_send("OS X?"), ":A X=0.049982\r\n"); /* 2269 counts */
+    SEND("C X=13490.4"); /* 674 counts now */
+    CHECK_TEXT(closed_loop_send("OS X?"), ":A X=0.049961\r\n");
+    SEND("C X=45396");
+    CHECK_TEXT(closed_loop_send("OS X?"), ":A X=0.049982\r\n");
     extremes("M X=1000", &least, &most);
     CHECK(fabs(most - (4540 + 2269)) < 1 && least > -1);
     CHECK_INT(board_count(closed_loop_board(), 0), 4540);

@@ -59,6 +59,10 @@ def test_a_settings_file_that_is_damaged_or_cannot_be_written_does_no_harm(tmp_p
     file.write_bytes(b"nonsense\n00000001 0x1p+zz\n\xff\xfe" + b"x" * 5000)
     with powered(file) as host:
         assert host.say("S X?").startswith(":A X=")
+        assert host.say("DU Y").split()[0] == "55"                       # and says so
+        assert host.say("SS Z") == ":A"
+    with powered(file) as host:
+        assert host.say("DU Y").split()[0] == "0"                        # the file is whole again
     with powered(tmp_path / "no" / "such" / "directory") as host:
         assert host.say("SS Z") == ":N-5"
 
@@ -88,6 +92,21 @@ def test_a_reset_forgets_positions_and_keeps_what_was_saved():
         host.wait_until_back()
         assert host.say("W X") == ":A 0.0"
         assert host.say("S X?") == ":A X=1.250000"
+
+
+@pytest.mark.parametrize("scale", [None, "C X=90000"], ids=["", "with another scale"])
+def test_a_reset_leaves_limits_and_home_where_they_are_on_the_stage(scale):
+    with powered() as host:
+        for line in "SL X=-2", "SU X=5", "HM X=4", "M X=30000":
+            assert host.say(line) == ":A"
+        host.wait_until_idle()
+        for line in ([scale] if scale else []) + ["RESET"]:              # it stands at 3 mm, and forgets the scale
+            assert host.say(line) == ":A"
+        host.wait_until_back()
+        assert [host.say(f"{name} X?") for name in ("SL", "SU", "HM")] == [":A X=-5.000", ":A X=2.000", ":A X=1.000"]
+        assert host.say("M X=50000") == ":A"
+        host.wait_until_idle()
+        assert host.say("W X") == ":A 20000.0"
 
 
 BURST = ("UM X=10000 Y=10000 Z=10000", "R X=0 Y=0 Z=10", "RT Y=0.1", "AC Z=10", "TTL X=2 Y=2 F=1", "PC Z=0.005", "E Z=0.0001")
