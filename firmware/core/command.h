@@ -93,6 +93,11 @@ struct parameter {
     const char *unit; /* NULL or "": none */
     const char *summary;
     double minimum, maximum;                /* both allowed */
+    /**
+     * What `check` leaves of that, for the command page: "-100 ... -0.1, 0.1 ... 100", or in words. Of
+     * integers the page asks `check` itself, unless the answer hangs on other settings.
+     */
+    const char *taken;
     enum parameter_outside below, above;
     double initial;
     double (*initial_of)(unsigned axis); /* instead of `initial`, where axes differ; or NULL */

@@ -106,6 +106,8 @@ def parameter_line(row):
         bounds = initial = "–"
     else:
         bounds = low if low == high else f"{low} … {high}"
+        if row["taken"] is not None:
+            bounds = row["taken"].replace("...", "…") or "–"
     kept = "–" if row["read_only"] else SAVED[row["saved"]]
     return f"| {letter} | {cell(row['summary'])} | {cell(row['unit'])} | {bounds} | {initial} | {kept} |"
 

@@ -120,10 +120,10 @@ void coordinates_set_origin(unsigned axis, int32_t counts)
     origin_counts[axis] = counts;
 }
 
-static enum status not_zero(unsigned axis, double value)
+static enum status check_units(unsigned axis, double value)
 {
     (void)axis;
-    return value != 0.0 ? STATUS_OK : STATUS_RANGE;
+    return fabs(value) >= 1e-6 ? STATUS_OK : STATUS_RANGE;
 }
 
 static void rescaled(unsigned axis, double value)
@@ -143,7 +143,7 @@ static const struct parameter parameters[] = {
         .command = "UM", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 6,
         .unit = "1/mm", .summary = "User units per mm; negative mirrors the axis.",
         .minimum = -1e9, .maximum = 1e9, .initial = 10000, .saved = SAVED_BY_SS,
-        .value = units_per_mm, .check = not_zero,
+        .value = units_per_mm, .check = check_units, .taken = "-1e9 ... -1e-6, 1e-6 ... 1e9",
     },
     {
         .command = "CNTS", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 1,

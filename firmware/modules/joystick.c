@@ -309,7 +309,8 @@ static enum status check_percent(unsigned axis, double percent)
 
 #define PERCENT                                                                                    \
     .command = "JSSPD", .type = PARAMETER_REAL, .decimals_max = 3, .unit = "%", .minimum = -100,   \
-    .maximum = 100, .check = check_percent, .saved = SAVED_BY_SS
+    .maximum = 100, .check = check_percent, .taken = "-100 ... -0.1, 0.1 ... 100",                 \
+    .saved = SAVED_BY_SS
 
 static const struct parameter parameters[] = {
     {

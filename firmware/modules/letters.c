@@ -58,7 +58,8 @@ static const struct parameter parameters[] = {
     {
         .command = "Z2B", .letter = PARAMETER_AXES, .type = PARAMETER_INTEGER, .unit = "",
         .minimum = 'A', .maximum = 'Z', .initial_of = initial_code, .value = codes,
-        .check = check_code, .get = get_index, .saved = SAVED_BY_SS,
+        .check = check_code,
+        .taken = "codes of A to Z that no axis has", .get = get_index, .saved = SAVED_BY_SS,
         .summary = "Set: the letter's character code, 66 for B. Query: number of the axis, from 0.",
     },
     {

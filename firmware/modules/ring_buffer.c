@@ -273,6 +273,7 @@ static const struct parameter parameters[] = {
     {
         .command = "RBMODE", .letter = 'Z', .type = PARAMETER_INTEGER, .unit = "",
         .minimum = 0, .maximum = RING_BUFFER_POINTS - 1, .check = check_pointer,
+        .taken = "0 or a point that is loaded",
         .get = get_pointer, .set = set_pointer, .saved = SAVED_NEVER,
         .summary = "Number of the next point, from 0.",
     },

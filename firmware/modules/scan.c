@@ -383,6 +383,7 @@ static const struct parameter parameters[] = {
     {
         .command = "SCANR", .letter = 'T', .type = PARAMETER_REAL, .decimals = 6, .unit = "us",
         .minimum = 0, .maximum = 80000, .initial = 0, .value = &width_us, .check = check_width,
+        .taken = "0, 0.01 ... 80000",
         .saved = SAVED_BY_SS,
         .summary = "Length of a pixel pulse; 0: half a pixel at the line speed, at most 10 us.",
     },

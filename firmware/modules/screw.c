@@ -54,7 +54,7 @@ static const struct parameter parameters[] = {
         .command = "SCREW", .letter = PARAMETER_AXES, .type = PARAMETER_REAL, .decimals = 4,
         .unit = "mm", .summary = "Pitch of the lead screw; sets CNTS and SPEED with it.",
         .minimum = 0, .maximum = 100, .initial = 6.35, .saved = SAVED_BY_SS, .value = pitch_mm,
-        .check = known, .set = changed,
+        .check = known, .taken = "1.5875, 6.35, 12.7, 25.4, each within a hundredth", .set = changed,
     },
     {0},
 };

@@ -304,6 +304,7 @@ static const struct parameter parameters[] = {
         .unit = "mm/s", .summary = "Speed of the motor for a 128th of full drive; another way to "
                                    "write KV, and as coarse.",
         .minimum = 1e-9, .maximum = 1000, .initial = 0, .saved = SAVED_NEVER, .check = check_dack,
+        .taken = "what KV can be",
         .set = set_dack, .get = tuning_mm_per_s_per_dac_count,
     },
     {

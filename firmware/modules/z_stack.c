@@ -152,6 +152,7 @@ static const struct parameter parameters[] = {
     {
         .command = "ZS", .letter = 'X', .type = PARAMETER_REAL, .decimals = 6, .unit = "user units",
         .minimum = -1e6, .maximum = 1e6, .initial = 0, .value = &step_user, .check = check_step,
+        .taken = "-1e6 ... 1e6, within the range of the counts",
         .adjust = adjust_step, .set = set_step, .saved = SAVED_BY_SS,
         .summary = "From slice to slice, cut to whole counts; positive starts at the lower end.",
     },

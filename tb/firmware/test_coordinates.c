@@ -111,6 +111,7 @@ TEST(a_multiplier_of_zero_is_refused)
 {
     closed_loop_start(NULL);
     CHECK_TEXT(closed_loop_send("UM X=0"), ":N-4\r\n");
+    CHECK_TEXT(closed_loop_send("UM X=1e-7"), ":N-4\r\n");
     CHECK_TEXT(closed_loop_send("UM X"), ":N-4\r\n");
     CHECK_TEXT(closed_loop_send("UM X? Y?"), ":X=10000.000000 Y=10000.000000 A\r\n");
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The tables of all modules together: what no single module can see. */
 #include <ctype.h>
+#include <stdlib.h>
 
 #include "check.h"
 #include "core/settings.h"
@@ -87,6 +88,45 @@ TEST(every_initial_value_is_one_that_may_be_set)
     }
 }
 
+/* The numbers of `taken`: every one of them is taken; between two that no "..." joins nothing is. */
+TEST(what_a_row_says_it_takes_is_what_its_check_takes)
+{
+    unsigned numbers = 0, gaps = 0;
+
+    CHECK(command_init(firmware_modules));
+    settings_load();
+    EACH_MODULE(m)
+    EACH_PARAMETER(m, row)
+    {
+        double last = 0;
+        bool any = false, joined = false;
+
+        for (const char *at = row->taken; at != NULL && *at != '\0';) {
+            char *end;
+            double number = strtod(at, &end);
+
+            if (end == at) {
+                joined |= strncmp(at, "...", 3) == 0;
+                at += joined && *at == '.' ? 3 : 1;
+                continue;
+            }
+            numbers++;
+            if (row->check(0, number) != STATUS_OK)
+                CHECK_FAIL("%s %c does not take %g", row->command, row->letter, number);
+            gaps += any && !joined;
+            if (any && !joined && row->check(0, (last + number) / 2) == STATUS_OK)
+                CHECK_FAIL("%s %c takes %g", row->command, row->letter, (last + number) / 2);
+            last = number;
+            any = true;
+            joined = false;
+            at = end;
+        }
+        if (row->taken == NULL && row->check != NULL && row->type == PARAMETER_REAL)
+            CHECK_FAIL("%s %c does not say it", row->command, row->letter);
+    }
+    CHECK(numbers > 20 && gaps > 5);
+}
+
 TEST(every_parameter_can_be_set_or_asked)
 {
     EACH_MODULE(m)
@@ -138,5 +178,6 @@ TEST_MAIN(RUN(every_name_and_shortcut_belongs_to_one_command); RUN(names_can_be_
           RUN(every_row_has_its_sentence);
           RUN(every_parameter_belongs_to_a_command_that_exists);
           RUN(every_initial_value_is_one_that_may_be_set);
+          RUN(what_a_row_says_it_takes_is_what_its_check_takes);
           RUN(every_parameter_can_be_set_or_asked);
           RUN(no_two_rows_claim_one_letter_and_no_two_values_one_key))
