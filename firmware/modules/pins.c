@@ -4,15 +4,17 @@
 #include "hal/divider.h"
 #include "hal/router.h"
 
-static bool out0, inverted, pixels_enabled, direct;
+static bool out0, inverted, pixels_enabled, direct, on_out0;
 
 static void route(void)
 {
-    router_select(ROUTER_OUT0, out0 ? ROUTER_HIGH : ROUTER_LOW, inverted);
-    if (direct)
-        router_select(ROUTER_ENCODER, ROUTER_DIRECT, false);
+    const enum router_source encoder = direct ? ROUTER_DIRECT : ROUTER_PIXEL;
+
+    router_select(ROUTER_ENCODER, encoder, inverted && !direct);
+    if (on_out0)
+        router_select(ROUTER_OUT0, encoder, inverted && !direct);
     else
-        router_select(ROUTER_ENCODER, ROUTER_PIXEL, inverted);
+        router_select(ROUTER_OUT0, out0 ? ROUTER_HIGH : ROUTER_LOW, inverted);
 }
 
 void pins_out0(bool high)
@@ -45,6 +47,12 @@ bool pins_pixels_enabled(void)
 void pins_encoder_direct(bool on)
 {
     direct = on;
+    route();
+}
+
+void pins_encoder_on_out0(bool on)
+{
+    on_out0 = on;
     route();
 }
 

@@ -27,6 +27,9 @@ bool pins_pixels_enabled(void);
 /** ENCODER: channel A of its axis (true) or pixel pulses. */
 void pins_encoder_direct(bool direct);
 
+/** OUT0 shows what ENCODER shows, in place of its level: the original's wiring. */
+void pins_encoder_on_out0(bool on);
+
 /** Axis of ENCODER, 0 to AXIS_COUNT - 1. Not during a scan line. */
 void pins_encoder_axis(unsigned axis);
 

@@ -13,6 +13,9 @@ extern const struct module scan_module;
 bool scan_start(void);
 bool scan_stop(void);
 
+/** A scan runs. */
+bool scan_running(void);
+
 /** A trigger (TTL X=6): start one when none runs. */
 void scan_trigger(void);
 

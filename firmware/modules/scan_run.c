@@ -84,7 +84,8 @@ static enum status plan_fast_axis(const struct scan_setup *setup, struct scan_pl
         .counts_per_mm = coordinates_counts_per_mm(fast),
         .speed_mm_per_s = tuning_speed_mm_per_s(fast),
         .speed_max_mm_per_s = motion_speed_max_mm_per_s(fast),
-        .accel_ms = tuning_ramp_ms(fast),
+        /* The jerk lengthens a change of speed by its own time (servo/profile.h). */
+        .accel_ms = tuning_ramp_ms(fast) + tuning_jerk_ticks(fast) * AXIS_TICK_US / 1e3,
         .start_count = coordinates_mm_to_counts(fast, setup->line.start_mm),
         .mirrored = coordinates_mirrored(fast),
         .fast_clock_hz = identity_fast_clock_rate_hz(),
@@ -254,12 +255,23 @@ void scan_run_stop(void)
         brake(SCAN_STOP);
 }
 
-/* HALT, a limit, a fault: the axis is braking or held already. The others must not go on alone. */
+/* What a line lacks when it ends where it is. */
+static enum fault missing(void)
+{
+    return scan.state == SCAN_ACTIVE ? FAULT_SCAN_INCOMPLETE : FAULT_SCAN_LOST_PULSES;
+}
+
+/* HALT, a limit, a fault: the axis is braking or held already. The others must not go on alone. A
+ * fault in a line, as of an encoder that is silent, leaves it short of pulses. */
 static void ended(unsigned axis, enum motion_end why)
 {
+    const bool in_line = scan.state == SCAN_ACCELERATE || scan.state == SCAN_ACTIVE;
+
     (void)axis;
     if (scan.state == SCAN_IDLE)
         return;
+    if (in_line && (why == MOTION_FAULT || why == MOTION_LIMIT))
+        log_error((uint16_t)missing());
     brake(why == MOTION_HALTED ? SCAN_STOP : SCAN_ERROR);
 }
 
@@ -270,18 +282,15 @@ static bool arm_line(void)
 {
     const struct scan_line *line = line_in_hand();
     const struct scan_setup *setup = &scan.setup;
-    const int encoder_axis =
-        setup->encoder_axis != SCAN_NO_AXIS ? setup->encoder_axis : setup->fast;
-    const int sync_axis = setup->sync_axis != SCAN_NO_AXIS ? setup->sync_axis : setup->fast;
     const struct divider_line pixels = {
-        .axis = (unsigned)encoder_axis, .whole = scan.plan.pitch_whole,
+        .axis = (unsigned)setup->encoder_axis, .whole = scan.plan.pitch_whole,
         .fraction = scan.plan.pitch_fraction, .phase = line->phase, .pixels = scan.plan.pixels,
         .width_fast = scan.plan.width_fast, .interval_min_fast = scan.plan.interval_min_fast,
         .emit = setup->pulses,
     };
 
     divider_load(&pixels);
-    compare_arm((unsigned)sync_axis, line->reference_edge, line->reverse);
+    compare_arm((unsigned)setup->sync_axis, line->reference_edge, line->reverse);
 
     const bool armed = compare_status().armed;
     /* Events of a line that was stopped may still be there. The stage stands: none is of this. */
@@ -334,8 +343,10 @@ static void poll_line(void)
         scan.state = SCAN_OVERRUN;
         if (result.produced != scan.plan.pixels || result.end_counts != line_in_hand()->end_count)
             fail(FAULT_SCAN_INCOMPLETE);
+        else if (result.merged) /* fewer pulses than pixels */
+            fail(FAULT_SCAN_LOST_PULSES);
     } else if (rest) {
-        fail(scan.state == SCAN_ACCELERATE ? FAULT_SCAN_LOST_PULSES : FAULT_SCAN_INCOMPLETE);
+        fail(missing());
     }
 }
 

@@ -29,7 +29,7 @@ struct scan_setup {
     uint32_t lines;                      /* at least 1 */
     double retrace_percent;              /* of the fast axis' maximum speed, between raster lines */
     bool serpentine;                     /* every other line runs back, nothing is retraced */
-    int sync_axis, encoder_axis;         /* SCAN_NO_AXIS: the fast axis */
+    int sync_axis, encoder_axis;         /* whose edges give SYNC, and pixels */
     bool pulses;                         /* pixels give pulses, not only SYNC */
 };
 

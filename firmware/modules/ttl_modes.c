@@ -19,10 +19,18 @@ enum {
     ORDINARY = ALL | IN0,
 };
 
+/* In the profile that is all builds at once mode 1 is two of them: the pixel clock of a scan, and
+ * otherwise the ring buffer. */
+static void ring_but_in_a_scan(void)
+{
+    if (!scan_running())
+        ring_buffer_trigger();
+}
+
 /* The first that fits counts. */
 const struct ttl_in_mode ttl_in_modes[] = {
     {.number = 0, .profiles = ALL | IN0 | ENC | REPORT},
-    {.number = 1, .profiles = ALL, .pixels = true, .trigger = ring_buffer_trigger},
+    {.number = 1, .profiles = ALL, .pixels = true, .trigger = ring_but_in_a_scan},
     {.number = 1, .profiles = IN0, .trigger = ring_buffer_trigger},
     {.number = 1, .profiles = ENC, .pixels = true},
     {.number = 2, .profiles = ORDINARY, .trigger = ttl_in_repeat},

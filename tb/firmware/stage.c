@@ -16,6 +16,8 @@ unsigned stage_line_count;
 int32_t stage_position[AXIS_COUNT];
 bool stage_sync;
 int32_t stage_end_error;
+uint32_t stage_merged;
+unsigned stage_silent;
 bool stage_estop;
 
 static uint64_t time_fast;
@@ -144,7 +146,10 @@ static uint32_t read_line(void *context, uintptr_t address)
     case REG_COMPARE_INTERRUPT:
         return line.events;
     case REG_DIVIDER_STATUS:
-        return line.refused ? REG_DIVIDER_STATUS_REFUSED_MASK : 0;
+        return (line.refused ? REG_DIVIDER_STATUS_REFUSED_MASK : 0) |
+               (stage_merged != 0 ? REG_DIVIDER_STATUS_MERGED_MASK : 0);
+    case REG_DIVIDER_MERGED:
+        return stage_merged;
     case REG_DIVIDER_PRODUCED:
         return line.produced;
     case REG_DIVIDER_END_POSITION:
@@ -193,6 +198,8 @@ void stage_start(void)
     stage_line_count = 0;
     stage_sync = false;
     stage_end_error = 0;
+    stage_merged = 0;
+    stage_silent = 0;
     stage_estop = false;
     time_fast = 0;
 
@@ -215,6 +222,8 @@ static void follow(void)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         struct axis_view view;
 
+        if ((stage_silent >> axis & 1u) != 0)
+            continue;
         axis_read(axis, &view);
         const int32_t target =
             (int32_t)((view.setpoint.position_q32 + (INT64_C(1) << 31)) >> 32);

@@ -36,6 +36,8 @@ extern bool stage_sync;                    /* SYNC pin, before polarity */
 
 /** Faults to inject; cleared by stage_start. */
 extern int32_t stage_end_error; /* counts by which the end position is reported wrong */
+extern uint32_t stage_merged;   /* pulses of a line reported as merged */
+extern unsigned stage_silent;   /* mask of axes whose encoder no longer counts */
 extern bool stage_estop;
 
 /** Power up: registers, axes at 0, settings, all modules, a console on test ports (port.h). */

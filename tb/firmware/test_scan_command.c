@@ -3,8 +3,11 @@
 #include "scan_check.h"
 
 #include <math.h>
+#include <stdlib.h>
 
+#include "core/action.h"
 #include "hal/compare.h"
+#include "modules/axis.h"
 
 TEST(impossible_scans_are_refused_and_move_nothing)
 {
@@ -201,55 +204,6 @@ TEST(scan_keeps_its_axes_to_itself)
     CHECK_INT(stage_position[2], 454); /* 10 um */
 }
 
-TEST(sync_that_never_comes_is_error_85)
-{
-    stage_start();
-    WORKED_EXAMPLE;
-    SEND("SCANV R=2", ACKNOWLEDGED); /* JP1 on Y, which stands before the edge for ever */
-    SEND("SCANR X=0.1", ACKNOWLEDGED);
-    SEND("SCAN", ACKNOWLEDGED);
-    CHECK_TEXT(states(), "SabcdEI");
-    CHECK_INT(stage_line_count, 0);
-    CHECK_INT(fault_read(0), FAULT_SCAN_LOST_PULSES);
-    CHECK_INT(fault_read(1), FAULT_NONE);
-}
-
-TEST(arming_past_the_reference_is_error_85_and_does_not_run_the_line)
-{
-    stage_start();
-    WORKED_EXAMPLE;
-    SEND("SCANV R=2", ACKNOWLEDGED); /* Y stands at 0: past an edge at -4540 */
-    SEND("SCANR X=-0.1", ACKNOWLEDGED);
-    SEND("SCAN", ACKNOWLEDGED);
-    CHECK_TEXT(states(), "SabcEI");
-    CHECK_INT(fault_read(0), FAULT_SCAN_LOST_PULSES);
-    CHECK(stage_position[0] < -4540);
-}
-
-TEST(line_that_ends_before_its_pixels_is_error_86)
-{
-    stage_start();
-    WORKED_EXAMPLE;
-    SEND("SCANV M=2", ACKNOWLEDGED); /* JP2 on Y, which stands still */
-    SEND("SCAN", ACKNOWLEDGED);
-    CHECK_TEXT(states(), "SabcdeEI");
-    CHECK_INT(stage_line_count, 1);
-    CHECK_INT(stage_lines[0].encoder_axis, 1);
-    CHECK_INT(stage_lines[0].pixels, 0);
-    CHECK(!stage_sync);
-    CHECK_INT(fault_read(0), FAULT_SCAN_INCOMPLETE);
-}
-
-TEST(wrong_end_position_is_error_86)
-{
-    stage_start();
-    WORKED_EXAMPLE;
-    stage_end_error = -1;
-    SEND("SCAN", ACKNOWLEDGED);
-    CHECK_TEXT(states(), "SabcdeEI");
-    CHECK_INT(fault_read(0), FAULT_SCAN_INCOMPLETE);
-}
-
 static void press(void)
 {
     stage_estop = true;
@@ -429,12 +383,69 @@ TEST(both_dialects_name_axes)
     SEND("SCAN R? T?", ":A 9 1\r\n");
 }
 
+TEST(the_limits_of_the_original_can_be_had)
+{
+    stage_start();
+    WORKED_EXAMPLE;
+    SEND("SCANR Z=7", ACKNOWLEDGED);
+    SEND("SCAN C=1", ACKNOWLEDGED);
+    SEND("SCAN C?", ":A 1\r\n");
+    SEND("SCANR Z?", ":A Z=4\r\n");
+    SEND("SCAN", ":N-4\r\n"); /* set before */
+    SEND("SCANR Z=7.9", ":N-4\r\n");
+    SEND("SCANR Z=11.9", ACKNOWLEDGED);
+    SEND("SCANR Z?", ":A Z=8\r\n");
+    SEND("SCANR Z=32768", ":N-4\r\n");
+    SEND("SCANR Z=32767", ACKNOWLEDGED);
+    SEND("SCANR Z?", ":A Z=32764\r\n");
+    SEND("SCANR Z=38", ACKNOWLEDGED);
+    SEND("SCANR Z? F?", ":A Z=36 F=1261\r\n"); /* 45396 / 36 */
+    SEND("SCANR F=32768", ":N-4\r\n");
+    SEND("SCANR Z=8", ACKNOWLEDGED);
+    SEND("SCANR Y=5.78", ACKNOWLEDGED);
+    SEND("SCAN", ":N-4\r\n"); /* 32798 pixels */
+    CHECK(!moved());
+    CHECK(!action_perform(ACTION_AT_LONG));
+    SEND("SCANR Y=1 Z=26", ACKNOWLEDGED);
+    SEND("SCAN", ACKNOWLEDGED);
+    CHECK(stage_run(200000) > 0);
+    CHECK(pixels_lie_on(&stage_lines[0], 1891, 24000));
+    SEND("SCAN C=0", ACKNOWLEDGED);
+    SEND("SCANR Z?", ":A Z=26\r\n");
+    SEND("SCAN C=2", ":N-4\r\n");
+}
+
+/* With JERK a change of speed takes longer; the way to it must be, too. */
+TEST(the_line_is_at_constant_speed_whatever_the_ramp)
+{
+    static const char *const ramps[] = {"AC X=100", "AC X=20", "JERK X=30", "JERK X=0"};
+
+    for (size_t n = 0; n < sizeof ramps / sizeof ramps[0]; n++) {
+        struct axis_view view;
+
+        stage_start();
+        WORKED_EXAMPLE;
+        SEND("SCANV F=1", ACKNOWLEDGED);
+        SEND(ramps[n], ACKNOWLEDGED);
+        SEND("SCAN", ACKNOWLEDGED);
+        while (!stage_sync)
+            stage_tick();
+        const int64_t step_q32 = llround(2.112 * 45396 * AXIS_TICK_US * 1e-6 * 0x1p32);
+        for (; stage_sync; stage_tick()) {
+            axis_read(0, &view);
+            if (view.ramping || llabs((view.setpoint.velocity_q48 >> 16) - step_q32) > 1)
+                CHECK_FAIL("%s: at %d not at the speed of the line", ramps[n], stage_position[0]);
+        }
+        SEND("JERK X=0", ACKNOWLEDGED);
+    }
+}
+
 TEST(settings_are_saved)
 {
     stage_start();
     SEND("SCANR X=-1 Y=2 Z=24.4 R=50 T=2 M=1", ACKNOWLEDGED);
     SEND("SCANV X=3 Y=4 Z=5 F=6 T=0.7 R=1 M=2", ACKNOWLEDGED);
-    SEND("SCAN X=2 Y=1 F=1", ACKNOWLEDGED);
+    SEND("SCAN X=2 Y=1 F=1 W=1", ACKNOWLEDGED);
     SEND("TTL X=1 Y=0 F=-1", ACKNOWLEDGED);
     SEND("SS Z", ACKNOWLEDGED);
     stage_start();
@@ -442,7 +453,7 @@ TEST(settings_are_saved)
          ":A X=-1.000000 Y=2.000000 Z=24.4 F=5581 T=2.000000 R=50.000000 M=1\r\n");
     SEND("NV X? Y? Z? F? T? R? M?",
          ":A X=3.000000 Y=4.000000 Z=5 F=6 T=0.700000 R=1 M=2\r\n");
-    SEND("SN F? T? R?", ":A 1 0 1\r\n");
+    SEND("SN F? T? R? C? W?", ":A 1 0 1 0 1\r\n");
     SEND("TTL X? Y? F?", ":A X=1 Y=0 F=-1\r\n");
     SEND("NR F=7", ACKNOWLEDGED);
     SEND("SS Z", ACKNOWLEDGED);
@@ -457,12 +468,11 @@ TEST_MAIN(RUN(impossible_scans_are_refused_and_move_nothing);
           RUN(number_of_pixels_and_stop_take_each_others_place);
           RUN(state_is_queried_while_it_scans); RUN(stop_ends_the_line_at_once_and_logs_nothing);
           RUN(halt_ends_the_scan); RUN(start_and_stop_where_there_is_nothing_to_do);
-          RUN(scan_keeps_its_axes_to_itself); RUN(sync_that_never_comes_is_error_85);
-          RUN(arming_past_the_reference_is_error_85_and_does_not_run_the_line);
-          RUN(line_that_ends_before_its_pixels_is_error_86); RUN(wrong_end_position_is_error_86);
+          RUN(scan_keeps_its_axes_to_itself);
           RUN(every_end_in_every_state_leaves_nothing_behind);
           RUN(emergency_stop_ends_the_scan);
           RUN(a_scan_told_under_the_emergency_stop_does_not_start_when_it_is_released);
           RUN(an_emergency_stop_before_the_first_move_began_ends_the_scan);
           RUN(what_is_set_while_it_scans_is_for_the_next_scan); RUN(origin_moves_the_scan);
-          RUN(both_dialects_name_axes); RUN(settings_are_saved))
+          RUN(both_dialects_name_axes); RUN(the_limits_of_the_original_can_be_had);
+          RUN(the_line_is_at_constant_speed_whatever_the_ramp); RUN(settings_are_saved))

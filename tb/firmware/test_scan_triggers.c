@@ -39,6 +39,25 @@ TEST(an_edge_starts_a_scan_when_none_runs)
     SEND("/", "N\r\n");
 }
 
+TEST(an_edge_in_a_scan_goes_to_no_point_of_the_ring_buffer)
+{
+    stage_start();
+    WORKED_EXAMPLE; /* TTL X=1 */
+    SEND("LD Z=100", ACKNOWLEDGED);
+    SEND("LD Z=200", ACKNOWLEDGED);
+    SEND("RM Y=7", ACKNOWLEDGED);
+    SEND("SCAN", ACKNOWLEDGED);
+    trigger();
+    CHECK(stage_run(200000) > 0);
+    SEND("RM Z?", ":A Z=0\r\n");
+    CHECK_INT(stage_position[2], 0);
+    CHECK(stage_lines[0].emit && pixels_lie_on(&stage_lines[0], 1891, 24000));
+    trigger();
+    CHECK(stage_run(200000) > 0);
+    SEND("RM Z?", ":A Z=1\r\n");
+    CHECK_INT(stage_position[2], 454);
+}
+
 TEST(a_scan_that_cannot_be_is_not_started)
 {
     stage_start();
@@ -70,5 +89,6 @@ TEST(the_at_button_starts_a_scan_and_ends_it)
     CHECK_INT(fault_read(0), FAULT_NONE);
 }
 
-TEST_MAIN(RUN(an_edge_starts_a_scan_when_none_runs); RUN(a_scan_that_cannot_be_is_not_started);
+TEST_MAIN(RUN(an_edge_starts_a_scan_when_none_runs);
+          RUN(an_edge_in_a_scan_goes_to_no_point_of_the_ring_buffer); RUN(a_scan_that_cannot_be_is_not_started);
           RUN(the_at_button_starts_a_scan_and_ends_it))

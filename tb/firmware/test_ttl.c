@@ -76,6 +76,21 @@ TEST(raw_channel_is_never_inverted)
     ROUTES(HIGH + 16, PIXEL + 16);
 }
 
+TEST(out0_shows_encoder_as_the_original_is_wired)
+{
+    stage_start();
+    SEND("SCAN W=1", ACKNOWLEDGED);
+    ROUTES(PIXEL, PIXEL);
+    SEND("TTL Y=0", ACKNOWLEDGED); /* has no pin now */
+    ROUTES(PIXEL, PIXEL);
+    SEND("TTL F=-1", ACKNOWLEDGED);
+    ROUTES(PIXEL + 16, PIXEL + 16);
+    SEND("SCANR M=1", ACKNOWLEDGED);
+    ROUTES(DIRECT, DIRECT);
+    SEND("SCAN W=0", ACKNOWLEDGED);
+    ROUTES(LOW + 16, DIRECT);
+}
+
 TEST(raw_channel_is_that_of_the_fast_axis_or_as_jumpered)
 {
     stage_start();
@@ -201,6 +216,7 @@ TEST(modes_that_are_not_built_are_refused)
 
 TEST_MAIN(RUN(queries_name_their_letters); RUN(bare_ttl_tells_the_level_of_the_pin);
           RUN(level_and_polarity_reach_the_pins); RUN(raw_channel_is_never_inverted);
+          RUN(out0_shows_encoder_as_the_original_is_wired);
           RUN(raw_channel_is_that_of_the_fast_axis_or_as_jumpered);
           RUN(a_profile_has_the_modes_and_the_names_of_a_build);
           RUN(a_profile_is_saved_and_ends_a_mode_that_it_lacks);
