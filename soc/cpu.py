@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The processor: VexRiscv (RV32IM, 4 KiB instruction and 4 KiB data cache) from pythondata-cpu-vexriscv.
+"""The processor: VexRiscv (RV32IM, 32 KiB instruction and 16 KiB data cache) from pythondata-cpu-vexriscv.
 
 The netlist is used as it is but for a few lines (:data:`ADAPTATIONS`), because as generated it throws bus
-errors away and keeps to itself when it sleeps.  Each adaptation must match exactly once, so another version of
-the netlist fails at build time instead of misbehaving.
+errors away and keeps to itself when it sleeps, and for the size of its caches (:data:`CACHES`).  Each adaptation must
+match as often as expected, so another version of the netlist fails at build time instead of misbehaving.
 """
 
 import importlib.util
@@ -45,6 +45,36 @@ ADAPTATIONS = [
      "assign dBusWishbone_SEL = ((dBus_cmd_payload_size == 3'b101) ? 4'b1111 : dBus_cmd_payload_mask);"),
 ]
 
+CACHES = {"InstructionCache": 15, "DataCache": 14}
+"""``log2`` of the bytes of each cache, which the package makes of 4 KiB, direct-mapped, in lines of 32 bytes."""
+
+CACHE_CHANGES = 19, 26
+"""Places in the netlist that know the size of each."""
+
+COUNTERS = r"(lineLoader_flushCounter|stageB_flusher_counter)"
+
+
+def enlarged(text, module, bits):
+    """The netlist with one cache of ``2**bits`` bytes, and the number of changes.
+
+    Lines are added; the tags stay as wide as they are, with some bits to spare.  Forgetting all lines (``fence.i``,
+    reset) takes a clock for each.
+    """
+    start = text.index(f"module {module} (")
+    end = text.index("endmodule", start)
+    line, word = bits - 5, bits - 2                 # bits of an index
+    changed, body = 0, text[start:end]
+    for pattern, replacement in [
+        (r"\[11 : (5|2)\]", rf"[{bits - 1} : \1]"),
+        (r"\[0:1023\]", f"[0:{(1 << word) - 1}]"), (r"\[0:127\]", f"[0:{(1 << line) - 1}]"),
+        (r"\[9:0\]", f"[{word - 1}:0]"), (r"\[6 ?: ?0\]", f"[{line - 1}:0]"),
+        (rf"\[7:0\]( +{COUNTERS};)", rf"[{line}:0]\1"), (rf"{COUNTERS}\[7\]", rf"\1[{line}]"),
+        (rf"({COUNTERS} (<=|\+) )8'h", rf"\g<1>{line + 1}'h"),
+    ]:
+        body, count = re.subn(pattern, replacement, body)
+        changed += count
+    return text[:start] + body + text[end:], changed
+
 
 def netlist():
     """Verilog text of the processor, adapted.  Raises :exc:`RuntimeError` if the netlist is not as expected."""
@@ -54,6 +84,10 @@ def netlist():
         text, count = re.subn(pattern, replacement, text)
         if count != 1:
             raise RuntimeError(f"the VexRiscv netlist matches {pattern!r} {count} times, not once")
+    for (module, bits), expected in zip(CACHES.items(), CACHE_CHANGES, strict=True):
+        text, count = enlarged(text, module, bits)
+        if count != expected:
+            raise RuntimeError(f"{module} of the VexRiscv netlist has {count} places that know its size, not {expected}")
     return text
 
 

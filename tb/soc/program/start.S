@@ -12,6 +12,7 @@ start:
     j 1b
 
     .balign 4
+    .globl trap_entry
 /* The first thing an interrupt does is to note the time: timer.Count at 0xfffff100. */
 trap_entry:
     csrw mscratch, t0
