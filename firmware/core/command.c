@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "core/events.h"
 #include "core/module.h"
 #include "core/number.h"
 #include "core/rows.h"
@@ -272,6 +273,7 @@ enum status command_execute(const char *line, size_t length, struct request *req
     status = check_line(entry, request, &runs);
     if (status != STATUS_OK)
         return status;
+    events_publish(EVENT_COMMAND, 0, 0);
     for (size_t i = 0; i < request->count; i++) {
         struct target target = find_target(entry, request->arguments[i].letter);
 
@@ -284,6 +286,7 @@ enum status command_execute(const char *line, size_t length, struct request *req
 
 bool command_frame(const uint8_t *frame, struct reply *reply)
 {
+    events_publish(EVENT_COMMAND, 0, 0);
     for (unsigned m = 0; modules[m] != NULL; m++)
         if (modules[m]->frame != NULL && modules[m]->frame(frame, reply))
             return true;

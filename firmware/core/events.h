@@ -19,6 +19,7 @@ enum event_name {
     EVENT_SERVO_TURN,   /* each turn of the servo, 0.5 ms; argument: its tick. Interrupt hooks only */
     EVENT_MOVE_DONE,    /* a commanded move has ended and settled; argument: axis */
     EVENT_BUSY,         /* the answer of STATUS changed; argument: 1 busy, 0 not */
+    EVENT_POINT,        /* from place to place; argument: 1 under way to the next, 0 has reached it */
     EVENT_HALT,         /* everything was stopped; argument: 1 when that ended a commanded move */
     EVENT_TRIGGER_IN,   /* qualified edge at IN0; argument: level */
     EVENT_IN1,          /* edge at IN1; argument: level after it */
@@ -28,6 +29,7 @@ enum event_name {
     EVENT_FAULT,        /* something was logged; argument: code */
     EVENT_ORIGIN_MOVED, /* HERE or ZERO shifted coordinates; argument: axis */
     EVENT_REPORT_SENT,  /* a reply has left for the port; argument: 0 */
+    EVENT_COMMAND,      /* a line or a frame is about to be carried out; argument and time: 0 */
     EVENT_RESET,        /* a reset was asked for (255 82); argument: 0 */
     EVENT_COUNT,
 };

@@ -39,6 +39,11 @@ bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges)
     return true;
 }
 
+bool inputs_in0_has_risen(void)
+{
+    return (inputs_edges_read() & REG_INPUTS_EDGES_IN0_ROSE_MASK) != 0;
+}
+
 uint32_t inputs_dip(void)
 {
     return inputs_levels_dip_get();

@@ -29,6 +29,9 @@ struct inputs_edges {
 /** Take the edges. False: none. However short a pulse was, it is both. */
 bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges);
 
+/** IN0 has risen since its edges were last taken; takes nothing. For the tick interrupt. */
+bool inputs_in0_has_risen(void);
+
 /** DIP switches: bit n is switch n of the board, 1: on. */
 uint32_t inputs_dip(void);
 

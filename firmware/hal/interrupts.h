@@ -16,6 +16,8 @@ enum {
     INTERRUPTS_TIMER = 0x04,
     INTERRUPTS_LINE = 0x08, /* compare: a line began, ended, or was armed too late */
     INTERRUPTS_BUS = 0x10,  /* a write that no register took */
+    INTERRUPTS_REPORT = 0x20,
+    INTERRUPTS_TRIGGER = 0x40,
 };
 
 /** Let these lines interrupt, and no others. */

@@ -39,6 +39,7 @@ void axis_init(void)
     axis_tick_count_high = 0;
     axis_cycles_last = 0;
     axis_cycles_max = 0;
+    axis_trigger_watch(false);
     memset(axis_states, 0, sizeof axis_states);
     memset(preparations, 0, sizeof preparations);
     for (unsigned i = 0; i < AXIS_COUNT; i++) {
@@ -216,4 +217,43 @@ void axis_hand_over(unsigned axis, uint32_t generation, uint64_t tick, bool comm
 enum axis_handover axis_handover(unsigned axis)
 {
     return axis_states[axis].handover.state;
+}
+
+void axis_arm(unsigned axis, uint32_t generation, bool commanded)
+{
+    struct axis *a = &axis_states[axis];
+
+    a->handover.plan = preparations[axis].spare;
+    a->handover.generation = generation;
+    a->handover.commanded = commanded;
+    atomic_signal_fence(memory_order_release);
+    a->handover.state = AXIS_HANDOVER_ARMED;
+}
+
+void axis_trigger_watch(bool watch)
+{
+    axis_trigger_fired = false;
+    axis_trigger_held = false;
+    axis_trigger_watched = watch;
+    atomic_signal_fence(memory_order_seq_cst);
+}
+
+void axis_trigger_hold(void)
+{
+    axis_trigger_held = true;
+}
+
+void axis_trigger_fire(void)
+{
+    axis_trigger_fired = true;
+}
+
+uint32_t axis_triggers(void)
+{
+    return axis_trigger_count;
+}
+
+uint32_t axis_generation(unsigned axis)
+{
+    return *(volatile const uint32_t *)&axis_states[axis].generation;
 }

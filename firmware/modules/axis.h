@@ -82,6 +82,7 @@ enum axis_handover {
     AXIS_HANDOVER_NONE,    /* taken, withdrawn, or never made */
     AXIS_HANDOVER_PENDING, /* waits for its tick */
     AXIS_HANDOVER_LATE,    /* did not begin: the axis was elsewhere when its tick came */
+    AXIS_HANDOVER_ARMED,   /* waits for the trigger */
 };
 
 /** Put all axes at rest where the encoders are, disabled, and start the tick. */
@@ -156,5 +157,31 @@ struct profile_plan *axis_plan(unsigned axis);
 void axis_hand_over(unsigned axis, uint32_t generation, uint64_t tick, bool commanded);
 
 enum axis_handover axis_handover(unsigned axis);
+
+/*
+ * The trigger: plans that begin in the tick that finds IN0 risen, together, or none of them.
+ *
+ *     axis_plan, axis_arm for each axis;  axis_trigger_watch(true)
+ *     ...IN0 rises...                     axis_triggers() is one more; or they are late
+ *     axis_trigger_watch(false)           from its return on nothing begins by itself
+ */
+
+/** As axis_hand_over, but the plan waits for the trigger. */
+void axis_arm(unsigned axis, uint32_t generation, bool commanded);
+
+/** Look at IN0 each tick, or not. An edge that inputs_take_edges has not taken counts as well. */
+void axis_trigger_watch(bool watch);
+
+/** While it is held the rising of IN0 begins nothing. In any context; axis_trigger_watch ends it. */
+void axis_trigger_hold(void);
+
+/** The next tick begins what is armed, as if IN0 had risen. */
+void axis_trigger_fire(void);
+
+/** Times that armed plans have begun. */
+uint32_t axis_triggers(void);
+
+/** The generation that plans must be made for: another one when the set-point is elsewhere. */
+uint32_t axis_generation(unsigned axis);
 
 #endif

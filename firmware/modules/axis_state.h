@@ -50,6 +50,13 @@ extern struct axis axis_states[AXIS_COUNT];
 extern volatile uint32_t axis_tick_count, axis_tick_count_high;
 extern volatile uint32_t axis_cycles_last, axis_cycles_max;
 
+/* Whether ticks look for the trigger; the main loop's, and cleared by the tick that finds it. */
+extern volatile bool axis_trigger_watched, axis_trigger_fired, axis_trigger_held;
+extern volatile uint32_t axis_trigger_count; /* the interrupt's */
+
+/* In the tick interrupt: when the trigger has come, let all that is armed begin in this tick. */
+void axis_trigger(void);
+
 /* In the tick interrupt: begin the plan that is handed over, if it fits; whether it did. */
 bool axis_begin(struct axis *a);
 

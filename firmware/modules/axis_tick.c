@@ -14,6 +14,7 @@ _Static_assert(LOOP_TURN_TICKS > AXIS_COUNT, "one tick for each axis, one for th
 struct axis axis_states[AXIS_COUNT];
 volatile uint32_t axis_tick_count, axis_tick_count_high;
 volatile uint32_t axis_cycles_last, axis_cycles_max;
+volatile bool axis_trigger_watched;
 
 /* True: a plan began, which takes about as long as a turn. */
 static inline bool begins(struct axis *a)
@@ -37,6 +38,8 @@ void axis_tick(void)
     axis_tick_count = now;
     if (now == 0)
         axis_tick_count_high = axis_tick_count_high + 1;
+    if (SELDOM(axis_trigger_watched))
+        axis_trigger();
     for (unsigned i = 0; i < AXIS_COUNT; i++, a++) {
         busy |= profile_tick(&a->profile);
         busy |= begins(a);

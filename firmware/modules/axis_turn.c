@@ -40,11 +40,44 @@ bool axis_begin(struct axis *a)
     }
     profile_begin(&a->profile, h->plan);
     loop_track(a->config, &a->loop, h->commanded);
+    loop_feed(a->config, &a->loop, &a->profile, !a->limit_lower, !a->limit_upper);
     a->generation++;
     a->begin_tick = axis_ticks();
     note_switches(a);
     h->state = AXIS_HANDOVER_NONE;
     return true;
+}
+
+volatile bool axis_trigger_fired, axis_trigger_held;
+volatile uint32_t axis_trigger_count;
+
+static bool fits(const struct axis *a)
+{
+    return a->loop.mode != LOOP_FREE && a->loop.mode != LOOP_SPIN &&
+           a->handover.generation == a->generation;
+}
+
+void axis_trigger(void)
+{
+    bool all = true;
+
+    if (!axis_trigger_fired && (axis_trigger_held || !inputs_in0_has_risen()))
+        return;
+    axis_trigger_fired = false;
+    axis_trigger_watched = false;
+    for (unsigned i = 0; i < AXIS_COUNT; i++)
+        if (axis_states[i].handover.state == AXIS_HANDOVER_ARMED)
+            all = all && fits(&axis_states[i]);
+    for (unsigned i = 0; i < AXIS_COUNT; i++) {
+        struct handover *h = &axis_states[i].handover;
+
+        if (h->state != AXIS_HANDOVER_ARMED)
+            continue;
+        h->tick = axis_tick_count;
+        h->state = all ? AXIS_HANDOVER_PENDING : AXIS_HANDOVER_LATE;
+    }
+    if (all)
+        axis_trigger_count = axis_trigger_count + 1;
 }
 
 static void spin(struct axis *a)

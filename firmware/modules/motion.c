@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-#include "modules/motion.h"
+#include "modules/motion_state.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -15,22 +15,7 @@
 #define LEAD_TICKS (2500u / AXIS_TICK_US)
 #define LEAD_TICKS_LATE (2u * LEAD_TICKS)
 
-/* What the main loop knows of an axis. The rest is in axis.h. */
-struct motion {
-    const struct motion_owner *owner;
-    bool claimed;
-    struct motion_move move; /* the last one, for planning it again */
-    bool stopping;           /* the last plan is a stop, not `move` */
-    unsigned leg;            /* of the way: before the last one vias, move.via_count is the last */
-    bool waiting;            /* `move` is planned when the plan before it has begun */
-    int32_t end_counts;      /* where the last plan ends */
-    uint32_t news_seen;
-    uint32_t arrivals_seen;
-    uint32_t stops_seen;
-    uint32_t lags_seen;
-};
-
-static struct motion motions[AXIS_COUNT];
+struct motion motions[AXIS_COUNT];
 static bool busy_before;
 
 static void tell(unsigned axis, enum motion_end why)
@@ -41,7 +26,7 @@ static void tell(unsigned axis, enum motion_end why)
         m->owner->ended(axis, why);
 }
 
-static bool may_take(unsigned axis, const struct motion_owner *owner)
+bool motion_may_take(unsigned axis, const struct motion_owner *owner)
 {
     const struct motion *m = &motions[axis];
 
@@ -49,21 +34,25 @@ static bool may_take(unsigned axis, const struct motion_owner *owner)
            m->owner->yield(axis, owner);
 }
 
+void motion_take(unsigned axis, const struct motion_owner *owner)
+{
+    struct motion *m = &motions[axis];
+
+    if (m->owner != owner)
+        tell(axis, MOTION_TAKEN);
+    m->owner = owner;
+    m->claimed = true;
+}
+
 bool motion_claim(unsigned axes, const struct motion_owner *owner)
 {
+    motion_withdraw_prepared();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((axes & MOTION_AXIS(axis)) != 0 && !may_take(axis, owner))
+        if ((axes & MOTION_AXIS(axis)) != 0 && !motion_may_take(axis, owner))
             return false;
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        struct motion *m = &motions[axis];
-
-        if ((axes & MOTION_AXIS(axis)) == 0)
-            continue;
-        if (m->owner != owner)
-            tell(axis, MOTION_TAKEN);
-        m->owner = owner;
-        m->claimed = true;
-    }
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0)
+            motion_take(axis, owner);
     return true;
 }
 
@@ -90,32 +79,55 @@ static void forget_legs(struct motion *m)
     m->leg = m->move.via_count;
 }
 
-/* Write the plan of an axis for a start at `tick`; returns the generation it holds for. */
-static uint32_t plan(unsigned axis, uint64_t tick)
+/* Bounds for a change of speed in at most `ramp_ms` from what the axis now has. */
+static struct profile_bounds bounds_of(const struct motion_move *move,
+                                       const struct profile_point *start, double ramp_ms)
+{
+    double speed_per_tick = move->speed_counts_per_s * (AXIS_TICK_US * 1e-6);
+
+    return (struct profile_bounds){
+        .speed = speed_per_tick,
+        /* SPEED or the scale may have become less under way: it takes no longer to brake. */
+        .acceleration = fmax(speed_per_tick / tuning_ticks(move->ramp_ms),
+                             fabs((double)start->velocity_q48) / 0x1p48 / tuning_ticks(ramp_ms)),
+    };
+}
+
+uint32_t motion_plan(unsigned axis, const struct motion_move *move, uint64_t tick)
+{
+    const struct motion *m = &motions[axis];
+    unsigned leg = move == &m->move ? m->leg : 0;
+    int32_t target_counts =
+        leg < move->via_count ? move->via_counts[leg] : move->target_counts;
+    struct profile_plan *made = axis_plan(axis);
+    uint32_t generation;
+    struct profile_point start = axis_predict(axis, tick, &generation);
+    struct profile_bounds bounds = bounds_of(move, &start, tuning_ramp_ms(axis));
+
+    bounds.jerk_ticks = tuning_jerk_ticks(axis);
+    profile_plan_move(made, &start, (int64_t)target_counts * (INT64_C(1) << 32), &bounds);
+    return generation;
+}
+
+static uint32_t plan_stop(unsigned axis, uint64_t tick)
 {
     struct motion *m = &motions[axis];
     struct profile_plan *made = axis_plan(axis);
-    double speed_per_tick = m->move.speed_counts_per_s * (AXIS_TICK_US * 1e-6);
-    double ramp_ms = m->stopping ? TUNING_BRAKE_MS : tuning_ramp_ms(axis);
-    int32_t target_counts = m->leg < m->move.via_count ? m->move.via_counts[m->leg]
-                                                       : m->move.target_counts;
-    int64_t target_q32 = (int64_t)target_counts * (INT64_C(1) << 32);
     uint32_t generation;
     struct profile_point start = axis_predict(axis, tick, &generation);
-    struct profile_bounds bounds = {
-        .speed = speed_per_tick,
-        /* SPEED or the scale may have become less under way: it takes no longer to brake. */
-        .acceleration = fmax(speed_per_tick / tuning_ticks(m->move.ramp_ms),
-                             fabs((double)start.velocity_q48) / 0x1p48 / tuning_ticks(ramp_ms)),
-        .jerk_ticks = m->stopping ? 0.0 : tuning_jerk_ticks(axis),
-    };
+    struct profile_bounds bounds = bounds_of(&m->move, &start, TUNING_BRAKE_MS);
+    int64_t target_q32 = profile_stop_q32(&start, &bounds);
 
-    if (m->stopping) {
-        target_q32 = profile_stop_q32(&start, &bounds);
-        m->end_counts = (int32_t)(target_q32 >> 32);
-    }
+    m->end_counts = (int32_t)(target_q32 >> 32);
     profile_plan_move(made, &start, target_q32, &bounds);
     return generation;
+}
+
+/* Write the plan of an axis for a start at `tick`; returns the generation it holds for. */
+static uint32_t plan(unsigned axis, uint64_t tick)
+{
+    return motions[axis].stopping ? plan_stop(axis, tick)
+                                  : motion_plan(axis, &motions[axis].move, tick);
 }
 
 static bool any_moves(unsigned axes)
@@ -202,6 +214,7 @@ void motion_start(const struct motion_move *moves, unsigned count)
 
 void motion_stop(unsigned axes)
 {
+    motion_withdraw_prepared();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         struct motion *m = &motions[axis];
         struct axis_view view;
@@ -239,6 +252,7 @@ bool motion_halt(void)
 
 void motion_enable(unsigned axis, bool enable)
 {
+    motion_withdraw_prepared();
     axis_enable(axis, enable);
     if (!enable) {
         motions[axis].waiting = false;
@@ -258,19 +272,29 @@ bool motion_ready(unsigned axis)
     return axis_enabled(axis) && !axis_inhibited();
 }
 
+bool motion_axis_moves(unsigned axis)
+{
+    const struct motion *m = &motions[axis];
+
+    motion_notice_prepared();
+    if (m->owner == NULL || !m->owner->busy)
+        return false;
+    if (m->waiting)
+        return true;
+    if (m->stopping)
+        return false;
+    if (is_under_way(m) || motion_handed_over(axis))
+        return true;
+    return axis_commanded(axis);
+}
+
 bool motion_axis_busy(unsigned axis)
 {
     const struct motion *m = &motions[axis];
 
-    if (m->owner == NULL || !m->owner->busy)
-        return false;
-    if (m->waiting || (m->claimed && m->owner->holds))
+    if (motion_axis_moves(axis))
         return true;
-    if (m->stopping)
-        return false;
-    if (is_under_way(m) || axis_handover(axis) != AXIS_HANDOVER_NONE)
-        return true;
-    return axis_commanded(axis);
+    return m->owner != NULL && m->owner->busy && m->claimed && m->owner->holds;
 }
 
 bool motion_busy(void)
@@ -285,8 +309,8 @@ bool motion_in_position(unsigned axis)
 {
     struct axis_view view;
 
-    if (motions[axis].waiting || is_under_way(&motions[axis]) ||
-        axis_handover(axis) != AXIS_HANDOVER_NONE)
+    motion_notice_prepared();
+    if (motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis))
         return false;
     axis_read(axis, &view);
     return (view.mode == LOOP_IDLE || view.mode == LOOP_HOLD) && !view.commanded;
@@ -306,8 +330,8 @@ int32_t motion_target_counts(unsigned axis)
 {
     struct axis_view view;
 
-    if (motions[axis].waiting || is_under_way(&motions[axis]) ||
-        axis_handover(axis) != AXIS_HANDOVER_NONE)
+    motion_notice_prepared();
+    if (motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis))
         return motions[axis].end_counts;
     axis_read(axis, &view);
     return (int32_t)(view.end_q32 >> 32);
@@ -360,18 +384,18 @@ static void report(unsigned axis)
     struct axis_view view;
 
     if (news == m->news_seen && !m->waiting && !is_under_way(m) &&
-        axis_handover(axis) == AXIS_HANDOVER_NONE)
+        !motion_handed_over(axis))
         return;
     m->news_seen = news;
     axis_read(axis, &view);
-    if (view.off && (m->waiting || axis_handover(axis) != AXIS_HANDOVER_NONE)) {
+    if (view.off && (m->waiting || motion_handed_over(axis))) {
         m->waiting = false;
         forget_legs(m);
         (void)axis_plan(axis);
         tell(axis, MOTION_DISABLED);
     }
     if (is_under_way(m) && !m->waiting && !view.planned &&
-        axis_handover(axis) == AXIS_HANDOVER_NONE) {
+        !motion_handed_over(axis)) {
         m->leg++;
         m->waiting = true;
     }
@@ -399,6 +423,7 @@ static void init(void)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         motions[axis] = (struct motion){0};
     busy_before = false;
+    motion_prepared_init();
 }
 
 static void poll(void)
@@ -406,6 +431,7 @@ static void poll(void)
     unsigned late = 0, waiting = 0;
     bool wait = false, busy;
 
+    motion_notice_prepared();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         report(axis);
         if (motions[axis].waiting) {

@@ -87,6 +87,28 @@ const struct motion_owner *motion_owner(unsigned axis);
 void motion_start(const struct motion_move *moves, unsigned count);
 
 /**
+ * Plan moves ahead for a trigger: the tick that finds IN0 risen begins them, all or none, and the
+ * axes then are the owner's. They must be at rest, free to take, ready, and their ways within the
+ * soft limits; any other motion, claim or halt withdraws what is prepared.
+ *
+ * @return  False: not now, and nothing is prepared.
+ */
+bool motion_prepare(const struct motion_owner *owner, const struct motion_move *moves,
+                    unsigned count);
+void motion_unprepare(void);
+
+/** What is prepared may be out of date: it begins only when it has been prepared again, though it be
+ * the same. In any context. */
+void motion_doubt_prepared(void);
+
+/** What is prepared would begin as it is. False also when it has begun. */
+bool motion_is_prepared(void);
+
+/** IN0 rose, or something that counts as that: true when what was prepared has begun, or begins with
+ * the next tick. At most once true for each time it was prepared. */
+bool motion_trigger(void);
+
+/**
  * Brake axes to rest as fast as the drive allows; the count they stop on is the new target. Ends a
  * pause (WT) as well; axes that brake already go on doing so.
  */
@@ -105,6 +127,9 @@ bool motion_ready(unsigned axis);
 /** A commanded motion is in progress, on any axis or on one; true until the pause (WT) is over. */
 bool motion_busy(void);
 bool motion_axis_busy(unsigned axis);
+
+/** The same of an axis, but for the time that its owner holds it between motions. */
+bool motion_axis_moves(unsigned axis);
 
 /** At rest and arrived: no motion pending, moving, settling or pausing. */
 bool motion_in_position(unsigned axis);

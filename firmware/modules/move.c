@@ -47,20 +47,34 @@ static struct motion_move move_of(unsigned axis, int32_t target_counts)
     };
 }
 
-bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts)
+/* The moves of some axes; how many. */
+static unsigned moves_of(unsigned axes, const int32_t *target_counts, struct motion_move *moves)
 {
-    struct motion_move moves[AXIS_COUNT];
     unsigned count = 0;
 
-    if (!motion_claim(axes, owner))
-        return false;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0) {
             moves[count] = move_of(axis, target_counts[axis]);
             approach_plan(&moves[count++]);
         }
-    motion_start(moves, count);
+    return count;
+}
+
+bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts)
+{
+    struct motion_move moves[AXIS_COUNT];
+
+    if (!motion_claim(axes, owner))
+        return false;
+    motion_start(moves, moves_of(axes, target_counts, moves));
     return true;
+}
+
+bool move_prepare(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts)
+{
+    struct motion_move moves[AXIS_COUNT];
+
+    return motion_prepare(owner, moves, moves_of(axes, target_counts, moves));
 }
 
 /* The targets of a line; returns the axes that it moves. Relative values are remembered. */

@@ -17,6 +17,13 @@ extern const struct module move_module;
  */
 bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts);
 
+/**
+ * Plan the same moves ahead, for motion_trigger.
+ *
+ * @return  False: not now.
+ */
+bool move_prepare(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts);
+
 /** What MOVREL moved an axis by last, in counts; 0: nothing since the start. */
 int32_t move_relative_counts(unsigned axis);
 /** Say what that was: for a step that another command sets (ZS). */

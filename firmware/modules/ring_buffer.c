@@ -8,6 +8,7 @@
 #include "modules/coordinates.h"
 #include "modules/motion.h"
 #include "modules/move.h"
+#include "modules/ttl_modes.h"
 
 /* RBMODE F. */
 enum mode {
@@ -23,12 +24,18 @@ struct point {
     unsigned axes;           /* those that were named; others stay */
 };
 
+static void ended(unsigned axis, enum motion_end why);
+
+/* A point by itself; and all points one after the other, which is busy to its end. */
 static const struct motion_owner owner = {.name = "ring buffer", .busy = true, .letter = 'B'};
+static const struct motion_owner player = {
+    .name = "ring buffer play", .busy = true, .holds = true, .letter = 'B', .ended = ended,
+};
 
 static struct point points[RING_BUFFER_POINTS];
 static unsigned count, pointer;
 static double axes_mask, mode, interval_ms;
-static bool playing, playing_relative;
+static bool playing, playing_relative, under_way;
 static uint64_t due_fast;
 
 unsigned ring_buffer_axes(void)
@@ -36,27 +43,52 @@ unsigned ring_buffer_axes(void)
     return (unsigned)axes_mask & MOTION_AXES_ALL;
 }
 
+static void stop_playing(void)
+{
+    playing = false;
+    motion_release(MOTION_AXES_ALL, &player);
+}
+
+/* HALT, a limit, a fault, or somebody else has an axis now. */
+static void ended(unsigned axis, enum motion_end why)
+{
+    (void)axis;
+    (void)why;
+    stop_playing();
+}
+
 static void clear(void)
 {
     count = 0;
     pointer = 0;
-    playing = false;
+    stop_playing();
 }
 
-/* Go to the point the pointer names, and move it on. */
-static void step(bool relative)
+static bool plays(void)
+{
+    return mode == MODE_PLAY_ONCE || mode == MODE_PLAY_ROUND;
+}
+
+/* --- Steps ------------------------------------------------------------------------------------- */
+
+/* The way to the point that the pointer names. */
+static void next_point(bool relative, struct ttl_step *step)
 {
     const struct point *point = &points[pointer];
-    const unsigned axes = point->axes & ring_buffer_axes();
-    int32_t targets[AXIS_COUNT] = {0};
 
+    step->owner = plays() ? &player : &owner;
+    step->axes = point->axes & ring_buffer_axes();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        targets[axis] = coordinates_user_to_counts(axis, point->user[axis]);
+        step->target_counts[axis] = coordinates_user_to_counts(axis, point->user[axis]);
         if (relative)
-            targets[axis] = motion_target_counts(axis) +
-                            coordinates_distance_to_counts(axis, point->user[axis]);
+            step->target_counts[axis] = motion_target_counts(axis) +
+                                        coordinates_distance_to_counts(axis, point->user[axis]);
     }
-    (void)move_to(&owner, axes, targets);
+}
+
+/* It is under way there: the pointer moves on. */
+static void stepped(bool relative)
+{
     pointer++;
     if (mode == MODE_CONSUME) {
         count--;
@@ -66,38 +98,63 @@ static void step(bool relative)
     }
     if (pointer >= count)
         pointer = 0;
+    playing_relative = relative;
+    under_way = true;
+    due_fast = events_now() + (uint64_t)(interval_ms * EVENTS_FAST_PER_MS);
+    events_publish(EVENT_POINT, 1, events_now());
+    if (mode == MODE_PLAY_ROUND || (mode == MODE_PLAY_ONCE && pointer != 0))
+        playing = true;
+    else
+        stop_playing();
 }
 
-/* What a trigger does. False: no point is stored. */
-static bool next(bool relative)
+bool ring_buffer_step(struct ttl_step *step)
 {
-    if (playing) {
-        playing = false;
-        return true;
-    }
-    if (count == 0)
+    if (playing || count == 0)
         return false;
-    step(relative);
-    playing_relative = relative;
-    playing = (mode == MODE_PLAY_ONCE && pointer != 0) || mode == MODE_PLAY_ROUND;
-    due_fast = events_now() + (uint64_t)(interval_ms * EVENTS_FAST_PER_MS);
+    next_point(false, step);
     return true;
+}
+
+bool ring_buffer_step_relative(struct ttl_step *step)
+{
+    if (playing || count == 0)
+        return false;
+    next_point(true, step);
+    return true;
+}
+
+void ring_buffer_stepped(void)
+{
+    stepped(false);
+}
+
+void ring_buffer_stepped_relative(void)
+{
+    stepped(true);
 }
 
 void ring_buffer_trigger(void)
 {
-    (void)next(false);
+    stop_playing();
 }
 
-void ring_buffer_trigger_relative(void)
+/* Go on, if the axes are to be had. */
+static bool go_on(bool relative)
 {
-    (void)next(true);
+    struct ttl_step step;
+
+    next_point(relative, &step);
+    if (!move_to(step.owner, step.axes, step.target_counts))
+        return false;
+    stepped(relative);
+    return true;
 }
 
 static bool arrived(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((ring_buffer_axes() & MOTION_AXIS(axis)) != 0 && motion_axis_busy(axis))
+        if ((ring_buffer_axes() & MOTION_AXIS(axis)) != 0 && motion_axis_moves(axis))
             return false;
     return true;
 }
@@ -105,17 +162,12 @@ static bool arrived(void)
 /* The interval counts from start to start; a point that takes longer is waited for. */
 static void poll(void)
 {
-    if (!playing || events_now() < due_fast || !arrived())
-        return;
-    due_fast = events_now() + (uint64_t)(interval_ms * EVENTS_FAST_PER_MS);
-    step(playing_relative);
-    playing = mode == MODE_PLAY_ROUND || pointer != 0;
-}
-
-static void halted(const struct event *event)
-{
-    (void)event;
-    playing = false;
+    if (under_way && arrived()) {
+        under_way = false;
+        events_publish(EVENT_POINT, 0, events_now());
+    }
+    if (playing && !under_way && events_now() >= due_fast && !go_on(playing_relative))
+        stop_playing();
 }
 
 /* --- LOAD -------------------------------------------------------------------------------------- */
@@ -220,14 +272,18 @@ static void set_mode(unsigned axis, double value)
 {
     (void)axis;
     (void)value;
-    playing = false;
+    stop_playing();
 }
 
 /* --- Buttons ----------------------------------------------------------------------------------- */
 
 bool ring_buffer_button_next(void)
 {
-    return next(false);
+    if (playing) {
+        stop_playing();
+        return true;
+    }
+    return count > 0 && go_on(false);
 }
 
 bool ring_buffer_button_store(void)
@@ -293,11 +349,6 @@ static const struct parameter parameters[] = {
     {0},
 };
 
-static const struct subscription subscriptions[] = {
-    {EVENT_HALT, EVENT_IN_MAIN, halted},
-    {0},
-};
-
 #define TEXT(number) TEXT_OF(number)
 #define TEXT_OF(number) #number
 
@@ -305,5 +356,5 @@ static const char *const build_lines[] = {"RING BUFFER " TEXT(RING_BUFFER_POINTS
 
 const struct module ring_buffer_module = {
     .name = "ring buffer", .commands = commands, .parameters = parameters,
-    .subscriptions = subscriptions, .build_lines = build_lines, .init = clear, .poll = poll,
+    .build_lines = build_lines, .init = clear, .poll = poll,
 };

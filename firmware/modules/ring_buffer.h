@@ -10,12 +10,15 @@
 
 extern const struct module ring_buffer_module;
 
-/**
- * A trigger: go to the next point, or start or stop going round by itself, as RBMODE F says. Points
- * are places, or distances.
- */
+/* Steps of a trigger, for the table in ttl_modes.c: points are places, or distances. */
+struct ttl_step;
+bool ring_buffer_step(struct ttl_step *step);
+bool ring_buffer_step_relative(struct ttl_step *step);
+void ring_buffer_stepped(void);
+void ring_buffer_stepped_relative(void);
+
+/** A trigger that has no step: ends going by itself. */
 void ring_buffer_trigger(void);
-void ring_buffer_trigger_relative(void);
 
 /** Axes that move, as a mask: RBMODE Y. They are also the ones that timed reports name. */
 unsigned ring_buffer_axes(void);

@@ -17,6 +17,8 @@ static const struct motion_owner repeat_owner = {.name = "repeat", .busy = true,
 static double in0_mode, profile, report_ms;
 static int forced = NOT_FORCED;
 static const struct ttl_in_mode *present = &ttl_in_modes[0];
+static volatile bool stale = true; /* what was planned ahead may not be what a trigger would do now */
+static uint32_t seen_generation;
 static bool reporting;
 static uint64_t report_due_fast;
 
@@ -36,6 +38,8 @@ static const struct ttl_in_mode *find(int number)
 
 static void change(const struct ttl_in_mode *to)
 {
+    motion_unprepare();
+    stale = true;
     if (present->end != NULL)
         present->end();
     present = to;
@@ -81,10 +85,44 @@ void ttl_in_restore(void)
     change(find((int)in0_mode));
 }
 
+/* Another number whenever an axis has begun something. */
+static uint32_t motion_generation(void)
+{
+    uint32_t sum = 0;
+
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        sum += axis_generation(axis);
+    return sum;
+}
+
+/* Plan the next step ahead, if it is not. */
+static void look_ahead(void)
+{
+    struct ttl_step step;
+
+    stale = false;
+    seen_generation = motion_generation();
+    if (present->step == NULL || !present->step(&step) ||
+        !move_prepare(step.owner, step.axes, step.target_counts))
+        motion_unprepare();
+}
+
 bool ttl_in_trigger(void)
 {
-    if (present->trigger != NULL)
+    struct ttl_step step;
+    bool begun, steps;
+
+    if (stale && motion_is_prepared())
+        look_ahead();
+    begun = motion_trigger();
+    steps = begun || (present->step != NULL && present->step(&step));
+    if (steps && (begun || move_to(step.owner, step.axes, step.target_counts))) {
+        if (present->stepped != NULL)
+            present->stepped();
+    } else if (!steps && present->trigger != NULL) {
         present->trigger();
+    }
+    stale = true;
     return true;
 }
 
@@ -92,6 +130,28 @@ static void triggered(const struct event *event)
 {
     if (event->argument != 0)
         (void)ttl_in_trigger();
+}
+
+/* A line is carried out, or something else happens that may change what the next step is. In whatever
+ * context: no step that was planned before begins by itself from here on. */
+static void something_happens(const struct event *event)
+{
+    (void)event;
+    stale = true;
+    motion_doubt_prepared();
+}
+
+static bool all_rest(void)
+{
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (!motion_in_position(axis) && motion_enabled(axis))
+            return false;
+    return true;
+}
+
+static bool must_look_ahead(void)
+{
+    return present->step != NULL && (stale || motion_generation() != seen_generation) && all_rest();
 }
 
 /* --- Profile ----------------------------------------------------------------------------------- */
@@ -119,19 +179,18 @@ static void set_profile(unsigned axis, double value)
 
 /* --- Repeated moves and timed reports ---------------------------------------------------------- */
 
-void ttl_in_repeat(void)
+bool ttl_in_repeat(struct ttl_step *step)
 {
-    int32_t targets[AXIS_COUNT];
-    unsigned axes = 0;
-
+    step->owner = &repeat_owner;
+    step->axes = 0;
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
         const int32_t by_counts = move_relative_counts(axis);
 
-        targets[axis] = motion_target_counts(axis) + by_counts;
+        step->target_counts[axis] = motion_target_counts(axis) + by_counts;
         if (by_counts != 0)
-            axes |= MOTION_AXIS(axis);
+            step->axes |= MOTION_AXIS(axis);
     }
-    (void)move_to(&repeat_owner, axes, targets);
+    return step->axes != 0;
 }
 
 void ttl_in_report(void)
@@ -151,8 +210,12 @@ static void halted(const struct event *event)
     reporting = false;
 }
 
+/* The plan costs up to a millisecond an axis: it is made once the axes rest, and again only when the
+ * step has become another. */
 static void poll(void)
 {
+    if (must_look_ahead())
+        look_ahead();
     if (reporting && events_now() >= report_due_fast) {
         report_due_fast += (uint64_t)(report_ms * EVENTS_FAST_PER_MS);
         positions_report(ring_buffer_axes());
@@ -195,6 +258,9 @@ static const struct parameter parameters[] = {
 static const struct subscription subscriptions[] = {
     {EVENT_HALT, EVENT_IN_MAIN, halted},
     {EVENT_TRIGGER_IN, EVENT_IN_MAIN, triggered},
+    {EVENT_COMMAND, EVENT_IN_INTERRUPT, something_happens},
+    {EVENT_BUTTON, EVENT_IN_INTERRUPT, something_happens},
+    {EVENT_ORIGIN_MOVED, EVENT_IN_INTERRUPT, something_happens},
     {0},
 };
 

@@ -20,7 +20,8 @@ void ttl_in_force(int number);
 void ttl_in_restore(void);
 
 /* Modes, for the table in ttl_modes.c. */
-void ttl_in_repeat(void);
+struct ttl_step;
+bool ttl_in_repeat(struct ttl_step *step);
 void ttl_in_report(void);
 void ttl_in_report_end(void);
 

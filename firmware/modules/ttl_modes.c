@@ -21,25 +21,28 @@ enum {
 
 /* In the profile that is all builds at once mode 1 is two of them: the pixel clock of a scan, and
  * otherwise the ring buffer. */
-static void ring_but_in_a_scan(void)
+static bool ring_step_but_in_a_scan(struct ttl_step *step)
 {
-    if (!scan_running())
-        ring_buffer_trigger();
+    return !scan_running() && ring_buffer_step(step);
 }
 
 /* The first that fits counts. */
 const struct ttl_in_mode ttl_in_modes[] = {
     {.number = 0, .profiles = ALL | IN0 | ENC | REPORT},
-    {.number = 1, .profiles = ALL, .pixels = true, .trigger = ring_but_in_a_scan},
-    {.number = 1, .profiles = IN0, .trigger = ring_buffer_trigger},
+    {.number = 1, .profiles = ALL, .pixels = true, .trigger = ring_buffer_trigger,
+     .step = ring_step_but_in_a_scan, .stepped = ring_buffer_stepped},
+    {.number = 1, .profiles = IN0, .trigger = ring_buffer_trigger, .step = ring_buffer_step,
+     .stepped = ring_buffer_stepped},
     {.number = 1, .profiles = ENC, .pixels = true},
-    {.number = 2, .profiles = ORDINARY, .trigger = ttl_in_repeat},
-    {.number = 4, .profiles = ORDINARY, .trigger = z_stack_step},
+    {.number = 2, .profiles = ORDINARY, .step = ttl_in_repeat},
+    {.number = 4, .profiles = ORDINARY, .step = z_stack_step,
+     .stepped = z_stack_stepped},
     {.number = 5, .profiles = ORDINARY, .trigger = ttl_in_report, .end = ttl_in_report_end},
     {.number = 6, .profiles = ALL, .pixels = true, .trigger = scan_trigger},
     {.number = 6, .profiles = IN0, .trigger = scan_trigger},
     {.number = 10, .profiles = ORDINARY, .trigger = ttl_out_toggle},
-    {.number = 12, .profiles = ORDINARY, .trigger = ring_buffer_trigger_relative},
+    {.number = 12, .profiles = ORDINARY, .trigger = ring_buffer_trigger,
+     .step = ring_buffer_step_relative, .stepped = ring_buffer_stepped_relative},
     {0},
 };
 

@@ -9,6 +9,11 @@
 #define MODULES_TTL_MODES_H
 
 #include <stdbool.h>
+#include <stdint.h>
+
+#include "core/axis.h"
+
+struct motion_owner;
 
 /** Builds of the original that the input can be taken for (BUILD F), and all of them in one. */
 enum ttl_profile {
@@ -22,6 +27,13 @@ enum ttl_profile {
 /** Number of a mode that any number but 0 selects, where no row before it has that number. */
 #define TTL_IN_ANY (-1)
 
+/** A move that a trigger starts. */
+struct ttl_step {
+    const struct motion_owner *owner;
+    unsigned axes;
+    int32_t target_counts[AXIS_COUNT];
+};
+
 /** What the input does in a mode. All functions may be NULL. */
 struct ttl_in_mode {
     int number;
@@ -29,6 +41,12 @@ struct ttl_in_mode {
     bool pixels;           /* the pixels of a scan give pulses */
     void (*begin)(void);   /* the mode was selected */
     void (*trigger)(void); /* a rising edge at IN0, or bare RM */
+    /**
+     * The move that the next trigger starts; changes nothing. False: it starts none. While the axes
+     * rest it is planned ahead, and the servo tick that sees the edge begins it.
+     */
+    bool (*step)(struct ttl_step *step);
+    void (*stepped)(void); /* it was started, or would have been: on to the next */
     void (*end)(void);     /* another mode is selected */
 };
 

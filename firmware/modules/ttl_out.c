@@ -72,10 +72,11 @@ void ttl_out_end_pulse(void)
     pulsing = false;
 }
 
-/* A pulse ends when a move begins. A HALT is no arrival. */
-static void busy_changed(const struct event *event)
+/* A pulse ends when a move begins. A HALT is no arrival; nor is the last point, once more, when all is
+ * over. */
+static void move_begins_or_ends(const struct event *event)
 {
-    if (present->end != ttl_out_end_pulse)
+    if (present->end != ttl_out_end_pulse || (event->argument == 0 && pulsing))
         return;
     ttl_out_end_pulse();
     if (event->argument == 0 && !halted && pulse_ms > 0) {
@@ -160,7 +161,8 @@ static const struct parameter parameters[] = {
 };
 
 static const struct subscription subscriptions[] = {
-    {EVENT_BUSY, EVENT_IN_MAIN, busy_changed},
+    {EVENT_BUSY, EVENT_IN_MAIN, move_begins_or_ends},
+    {EVENT_POINT, EVENT_IN_MAIN, move_begins_or_ends},
     {EVENT_HALT, EVENT_IN_MAIN, all_halted},
     {0},
 };

@@ -7,6 +7,7 @@
 #include "modules/letters.h"
 #include "modules/motion.h"
 #include "modules/move.h"
+#include "modules/ttl_modes.h"
 
 /* ZS M. */
 enum state { STATE_START = 0, STATE_UP = 1, STATE_DOWN = 2 };
@@ -14,71 +15,97 @@ enum state { STATE_START = 0, STATE_UP = 1, STATE_DOWN = 2 };
 static const struct motion_owner owner = {.name = "z stack", .busy = true, .letter = 'B'};
 
 static double step_user, slices, triangle, timeout_ms;
-static enum state state;
-static unsigned slice;
-static int32_t centre_counts, step_counts;
+static int32_t step_counts;
 static uint64_t over_fast;
 
-static void go(int64_t counts)
-{
-    int32_t targets[AXIS_COUNT] = {0};
+/* Where a stack is: its state, its slice, and its middle. */
+struct place {
+    enum state state;
+    unsigned slice;
+    int32_t centre_counts;
+};
 
+static struct place place, planned; /* planned: where the next trigger leads */
+
+static int32_t clamp(int64_t counts)
+{
     if (counts > COORDINATES_COUNTS_MAX)
-        counts = COORDINATES_COUNTS_MAX;
+        return COORDINATES_COUNTS_MAX;
     if (counts < -COORDINATES_COUNTS_MAX)
-        counts = -COORDINATES_COUNTS_MAX;
-    targets[letters_focus_axis()] = (int32_t)counts;
-    (void)move_to(&owner, MOTION_AXIS(letters_focus_axis()), targets);
+        return -COORDINATES_COUNTS_MAX;
+    return (int32_t)counts;
+}
+
+/* The place after the present one. */
+static struct place next_place(void)
+{
+    const unsigned last = (unsigned)slices - 1;
+    struct place next = place;
+
+    if (place.state == STATE_START) {
+        next.centre_counts = motion_target_counts(letters_focus_axis());
+        next.slice = 0;
+        next.state = STATE_UP;
+    } else if (last == 0) {
+        next.slice = 0;
+    } else if (triangle == 0) {
+        next.slice = place.slice < last ? place.slice + 1 : 0;
+    } else {
+        if (place.slice >= last)
+            next.state = STATE_DOWN;
+        else if (place.slice == 0)
+            next.state = STATE_UP;
+        next.slice = next.state == STATE_UP ? place.slice + 1 : place.slice - 1;
+    }
+    return next;
 }
 
 /* The stack lies about its centre; halves of a step are rounded toward it. */
-static void go_to_slice(void)
+static int32_t counts_of(const struct place *at)
 {
     const int64_t range = (int64_t)step_counts * ((int64_t)slices - 1);
 
-    go(centre_counts - range / 2 + (int64_t)step_counts * slice);
+    return clamp(at->centre_counts - range / 2 + (int64_t)step_counts * at->slice);
 }
 
-static void next_slice(void)
+bool z_stack_step(struct ttl_step *step)
 {
-    const unsigned last = (unsigned)slices - 1;
+    const struct place next = next_place();
+    const unsigned focus = letters_focus_axis();
 
-    if (state == STATE_START) {
-        centre_counts = motion_target_counts(letters_focus_axis());
-        slice = 0;
-        state = STATE_UP;
-    } else if (last == 0) {
-        slice = 0;
-    } else if (triangle == 0) {
-        slice = slice < last ? slice + 1 : 0;
-    } else {
-        if (slice == last)
-            state = STATE_DOWN;
-        else if (slice == 0)
-            state = STATE_UP;
-        slice = state == STATE_UP ? slice + 1 : slice - 1;
-    }
+    step->owner = &owner;
+    step->axes = MOTION_AXIS(focus);
+    step->target_counts[focus] = counts_of(&next);
+    planned = next;
+    return true;
 }
 
-void z_stack_step(void)
+void z_stack_stepped(void)
 {
-    next_slice();
+    place = planned;
     over_fast = events_now() + (uint64_t)(timeout_ms * EVENTS_FAST_PER_MS);
-    go_to_slice();
+}
+
+static void go_back(void)
+{
+    int32_t targets[AXIS_COUNT] = {0};
+
+    targets[letters_focus_axis()] = place.centre_counts;
+    (void)move_to(&owner, MOTION_AXIS(letters_focus_axis()), targets);
 }
 
 /* Leave the stack; back to where it began. */
 static void leave(void)
 {
-    if (state != STATE_START)
-        go(centre_counts);
-    state = STATE_START;
-    slice = 0;
+    if (place.state != STATE_START)
+        go_back();
+    place.state = STATE_START;
+    place.slice = 0;
 }
 
 static void poll(void)
 {
-    if (state != STATE_START && timeout_ms > 0 && events_now() >= over_fast)
+    if (place.state != STATE_START && timeout_ms > 0 && events_now() >= over_fast)
         leave();
 }
 
@@ -86,14 +113,14 @@ static void poll(void)
 static void halted(const struct event *event)
 {
     (void)event;
-    state = STATE_START;
-    slice = 0;
+    place.state = STATE_START;
+    place.slice = 0;
 }
 
 static void init(void)
 {
-    state = STATE_START;
-    slice = 0;
+    place.state = STATE_START;
+    place.slice = 0;
 }
 
 /* Cut to whole counts, as the original does. */
@@ -124,7 +151,7 @@ static void set_step(unsigned axis, double value)
 static double get_state(unsigned axis)
 {
     (void)axis;
-    return state;
+    return place.state;
 }
 
 static void set_state(unsigned axis, double value)
@@ -137,7 +164,7 @@ static void set_state(unsigned axis, double value)
 static double get_slice(unsigned axis)
 {
     (void)axis;
-    return slice;
+    return place.slice;
 }
 
 static const struct command commands[] = {

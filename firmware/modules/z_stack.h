@@ -7,7 +7,10 @@
 
 extern const struct module z_stack_module;
 
-/** A pulse: the first goes to the first slice, each further one to the next. */
-void z_stack_step(void);
+/* For the table in ttl_modes.c. A pulse: the first goes to the first slice, each further one to the
+ * next. */
+struct ttl_step;
+bool z_stack_step(struct ttl_step *step);
+void z_stack_stepped(void);
 
 #endif

@@ -218,6 +218,21 @@ static void supervise(const struct loop_config *cfg, struct loop_state *st, int3
         loop_free(st, LOOP_DEAD);
 }
 
+static void feed(const struct loop_config *cfg, struct loop_state *st,
+                 const struct profile_state *profile, int32_t error_q16, bool may_fall,
+                 bool may_rise)
+{
+    /* Acceleration with 20 fraction bits. */
+    pid_feed(&cfg->pid, &st->pid, error_q16, (int32_t)(profile->step_q48 >> 32),
+             (int32_t)(profile->change_q48 >> 28), may_fall, may_rise);
+}
+
+void loop_feed(const struct loop_config *cfg, struct loop_state *st,
+               const struct profile_state *profile, bool may_fall, bool may_rise)
+{
+    feed(cfg, st, profile, loop_error_q16(st, profile, st->position_counts), may_fall, may_rise);
+}
+
 void loop_turn(const struct loop_config *cfg, struct loop_state *st,
                const struct profile_state *profile, int32_t position_counts, int32_t duty_steps,
                bool may_fall, bool may_rise)
@@ -245,9 +260,7 @@ void loop_turn(const struct loop_config *cfg, struct loop_state *st,
     else if (st->mode >= LOOP_SETTLE)
         settle(cfg, st, error_q16);
     if (st->regulated)
-        /* Acceleration with 20 fraction bits. */
-        pid_feed(&cfg->pid, &st->pid, error_q16, (int32_t)(profile->step_q48 >> 32),
-                 (int32_t)(profile->change_q48 >> 28), may_fall, may_rise);
+        feed(cfg, st, profile, error_q16, may_fall, may_rise);
     else if (st->held_steps > 0 ? !may_rise : !may_fall)
         st->held_steps = 0;
 }

@@ -134,6 +134,13 @@ void loop_spin(struct loop_state *st, int32_t duty_steps);
 /** A plan begins: regulate from this tick on. Not in FREE or SPIN. */
 void loop_track(const struct loop_config *cfg, struct loop_state *st, bool commanded);
 
+/**
+ * The feed-forward of the set-point as it is, ahead of the next turn: so that the first tick of a
+ * plan drives. After loop_track, with the position of the last turn.
+ */
+void loop_feed(const struct loop_config *cfg, struct loop_state *st,
+               const struct profile_state *profile, bool may_fall, bool may_rise);
+
 /** Expected place minus position, counts, clamped to what pid_tick takes. */
 static inline int32_t loop_error_q16(const struct loop_state *st,
                                      const struct profile_state *profile, int32_t position_counts)

@@ -58,6 +58,22 @@ TEST(an_edge_in_a_scan_goes_to_no_point_of_the_ring_buffer)
     CHECK_INT(stage_position[2], 454);
 }
 
+TEST(a_point_that_a_scan_keeps_it_from_stays_the_next)
+{
+    stage_start();
+    WORKED_EXAMPLE;
+    SEND("BU F=1", ACKNOWLEDGED); /* IN0_INT: the ring buffer, also in a scan */
+    SEND("LD X=100", ACKNOWLEDGED);
+    SEND("LD X=200", ACKNOWLEDGED);
+    SEND("SCAN", ACKNOWLEDGED);
+    trigger();
+    SEND("RM Z?", ":A Z=0\r\n");
+    CHECK(stage_run(200000) > 0);
+    CHECK(stage_lines[0].finished && !stage_lines[0].emit);
+    trigger();
+    SEND("RM Z?", ":A Z=1\r\n");
+}
+
 TEST(a_scan_that_cannot_be_is_not_started)
 {
     stage_start();
@@ -90,5 +106,6 @@ TEST(the_at_button_starts_a_scan_and_ends_it)
 }
 
 TEST_MAIN(RUN(an_edge_starts_a_scan_when_none_runs);
-          RUN(an_edge_in_a_scan_goes_to_no_point_of_the_ring_buffer); RUN(a_scan_that_cannot_be_is_not_started);
+          RUN(an_edge_in_a_scan_goes_to_no_point_of_the_ring_buffer); RUN(a_point_that_a_scan_keeps_it_from_stays_the_next);
+          RUN(a_scan_that_cannot_be_is_not_started);
           RUN(the_at_button_starts_a_scan_and_ends_it))
