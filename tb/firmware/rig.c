@@ -11,6 +11,7 @@
 #include "modules/axis.h"
 #include "modules/coordinates.h"
 #include "modules/modules.h"
+#include "modules/save_positions.h"
 #include "port.h"
 #include "regs.h"
 
@@ -19,6 +20,7 @@ void rig_start(void)
     axis_init();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         coordinates_set_origin(axis, 0);
+    save_positions_restore();
     events_set_clock(axis_time_fast);
     action_init(firmware_claims);
     port_start(firmware_modules);

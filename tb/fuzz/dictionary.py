@@ -10,10 +10,44 @@ FRAMES = tuple(bytes([24, code, size, *data, 58]) for code, size, data in (
     (63, 0, ()), (84, 3, (16, 39, 0)), (97, 3, ()), (108, 3, ()), (126, 1, ()), (68, 3, (1, 2, 3)), (100, 3, ()),
     (43, 0, ()), (45, 0, ()), (71, 0, ()), (66, 0, ()), (74, 0, ()), (75, 0, ())))
 
-PAUSE = b"\x16"         # language.c lets 2 ms pass
+# What language.c takes for itself.
+PAUSE = b"\x16"         # 2 ms pass
+POWER = b"\x14"         # the power goes and comes back
 
-# What takes several commands to get to.
-STORIES = tuple(story.replace(";", "\r").encode().replace(b"...", 12 * PAUSE) for story in (
+
+def press(button, length=0):
+    """A button is pressed, 0 shortly to 2 extra long."""
+    return bytes([0x17, length << 2 | button])
+
+
+def analog(channel, sevenths):
+    """An analog input goes to a level."""
+    return bytes([0x17, 1 << 6 | sevenths << 3 | channel])
+
+
+def ttl(pin, level):
+    """An edge at a TTL input."""
+    return bytes([0x17, 2 << 6 | level << 1 | pin])
+
+
+def turn(knob, edges):
+    """A knob turns by -8 to 7."""
+    return bytes([0x17, 3 << 6 | edges + 8 << 2 | knob])
+
+
+AT, HOME, ZERO, JOYSTICK = range(4)
+HANDS = (*(press(button, length) for button in range(4) for length in range(3)),
+         *(analog(channel, sevenths) for channel in range(3) for sevenths in (0, 4, 7)),
+         *(ttl(pin, level) for pin in range(2) for level in range(2)), *(turn(knob, edges) for knob in range(4) for edges in (-1, 7)))
+
+def told(*parts):
+    """Lines of text, ended by ``;``, where ``...`` lets 24 ms pass, and bytes of hands."""
+    return b"".join(part if isinstance(part, bytes) else part.replace(";", "\r").encode().replace(b"...", 12 * PAUSE)
+                    for part in parts)
+
+
+# What takes several commands, or a hand, to get to.
+STORIES = tuple(map(told, (
     "LD X=1;LD X=2;LD X+ Y=3;LD X?;TTL X=1;RM;RM;RM F=2;RT Z=0;RM;...RM F?;RM F=3;RM;...RM;RM F=4;RM;RM;RM;RM;",
     "LD X=1;RM F=0;TTL X=12;RM;RM;RM Z=0;RM X=0;RM;",
     "ZS X=1 Y=3 F=1;TTL X=4;RM;...ZS Z=1 F=0;RM;RM;RM;RM;RM;ZS T? M?;ZS M=0;RM;\\;ZS Y=1;RM;RM;",
@@ -21,7 +55,17 @@ STORIES = tuple(story.replace(";", "\r").encode().replace(b"...", 12 * PAUSE) fo
     "TTL Y=2;RT Y=1;M X=10;...M X=0;\\;TTL Y=3;M X=100;...",
     "VB X=63;M X=10;...W;DU R=1;M X=1000;...DU;DU Y;DU X;",
     "M X=100;VB X=33;SP;...", "MC X-;M X=1;MC X+;M X=1000;R X=-5;HALT;S X=1;M X=0;...SS Z;SS Y;SS X;SS Q;",
-    "NR X=0 Y=0.01;NV X=0 Y=0;TTL X=1;SN;...SN P;\\;", 'LCD "text";LCD;UN;UN;BU Y=65;BU Y?;BU Y-;BU Z+;BU Z-;'))
+    "NR X=0 Y=0.01;NV X=0 Y=0;TTL X=1;SN;...SN P;\\;", 'LCD "text";LCD;UN;UN;BU Y=65;BU Y?;BU Y-;BU Z+;BU Z-;',
+    "S X=1.5;UM X=-10000;SS Z;R X=500;......SP;......" + POWER.decode() + "W X;SS X;SS Y;"))) + (
+    told("AZ X;", *15 * ["..."], "AZ Y;..."),
+    told("SL X=-0.1;AZ X;", *4 * ["..."], "\\"),
+    told("J X+ Y+;", *(analog(channel, 4) for channel in range(3)), "......", analog(0, 7), "...", press(JOYSTICK), "...", analog(0, 4),
+         "...", analog(1, 0), "...\\", analog(1, 4), "J X=5 Y=6 Z=4;", *(turn(knob, 7) for knob in range(4)), "......",
+         press(JOYSTICK, 2), *(turn(knob, -8) for knob in range(4)), "...J X-;SU Y=0;", analog(1, 7), "..."),
+    told("VB X=7;", ttl(1, 1), "...", ttl(1, 0), "...", *(press(JOYSTICK, length) + 2 * PAUSE for length in range(3))),
+    *(told(f"TTL X={mode};LD X=1;", ttl(0, 1), "...", ttl(0, 0), "...") for mode in range(13)),
+    *(told(lines, *(press(button, length) + 2 * PAUSE for button in range(4) for length in range(3))) for lines in (
+        "NR X=0 Y=0.01;LD X=1;", "BE X=0;", "BE Z=33;BCA X=0 Y=2 Z=2 F=2 T=0 R=2 M=2;", "BE R=2 T=2 M=2;BE F=0;BE F=2;BE F=3;")))
 
 
 def words(modules):
@@ -35,7 +79,7 @@ def words(modules):
         yield from (f"{letter}{form}".encode() for form in ("=", "?", "+", "-", " "))
     yield from (number.encode() for number in NUMBERS)
     yield from CONTROLS
-    yield from (PAUSE, 12 * PAUSE)
+    yield from (PAUSE, 12 * PAUSE, POWER, *HANDS)
     yield from FRAMES
 
 

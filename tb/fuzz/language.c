@@ -3,7 +3,9 @@
  * Fuzz target: bytes from the serial line through line, parser, rows and replies of the whole
  * firmware, and the binary format, while axes move. Linked with libFuzzer, or with replay.c.
  *
- * Each input starts from power-up; in it, the byte PAUSE lets 2 ms pass. Claims, beside what the
+ * Each input starts from power-up with nothing kept. Bytes in it that are not for the line: PAUSE lets
+ * 2 ms pass, HAND has the next byte done to the inputs (hand), POWER takes the power away for a moment.
+ * Claims, beside what the
  * sanitizers see: the console never gets stuck, HALT ends what lasts, and afterwards a good line
  * gets its one right answer.
  */
@@ -17,11 +19,14 @@
 #include "core/report.h"
 #include "core/settings.h"
 #include "machine.h"
+#include "panel.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 enum {
     PAUSE = 0x16,
+    HAND = 0x17,
+    POWER = 0x14,
     PAUSE_TICKS = 10,
     TURNS_PER_TICK = 10, /* a turn takes 20 us */
     TURNS_MAX = 4000, /* without rest: 80 ms; then HALT */
@@ -102,25 +107,66 @@ static void expect(const char *line, const char *reply)
     }
 }
 
+static void power_up(void)
+{
+    machine_start();
+    panel_start();
+    ring_clear(&receive);
+    ring_clear(&transmit);
+    console_init(&console, &receive, &transmit, NULL);
+}
+
+static void pause(void)
+{
+    for (unsigned n = 0; n < PAUSE_TICKS; n++) {
+        machine_run(1);
+        turn();
+    }
+}
+
+/* Bits 7 and 6 say what it does; the others to which input, and how. */
+static void hand(uint8_t how)
+{
+    switch (how >> 6) {
+    case 0:
+        panel_press((enum button)(how & 3), (enum button_length)((how >> 2 & 3) % 3), 0);
+        break;
+    case 1:
+        panel_analog(how & 7, (how >> 3 & 7) / 7.0);
+        break;
+    case 2:
+        panel_ttl((enum inputs_ttl)(how & 1), (how & 2) != 0, 0);
+        break;
+    default:
+        panel_turn(how & 3, (how >> 2 & 15) - 8);
+        break;
+    }
+}
+
+static bool is_for_the_line(uint8_t byte)
+{
+    return byte != PAUSE && byte != HAND && byte != POWER;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     if (size > INPUT_MAX)
         return 0;
     settings_ram_clear();
-    machine_start();
-    ring_clear(&receive);
-    ring_clear(&transmit);
-    console_init(&console, &receive, &transmit, NULL);
+    power_up();
     turns = 0;
     for (size_t at = 0; at < size;) {
-        while (at < size && data[at] != PAUSE && ring_put(&receive, data[at]))
+        while (at < size && is_for_the_line(data[at]) && ring_put(&receive, data[at]))
             at++;
         turn();
-        for (; at < size && data[at] == PAUSE && ring_used(&receive) == 0; at++)
-            for (unsigned n = 0; n < PAUSE_TICKS; n++) {
-                machine_run(1);
-                turn();
-            }
+        for (; at < size && !is_for_the_line(data[at]) && ring_used(&receive) == 0; at++) {
+            if (data[at] == PAUSE)
+                pause();
+            else if (data[at] == POWER)
+                power_up();
+            else if (at + 1 < size)
+                hand(data[++at]);
+        }
     }
     settle();
     expect("CD\r", "20");
