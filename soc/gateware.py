@@ -47,11 +47,13 @@ BEFORE_LUTS, AFTER_LUTS = "synth_ecp5 -top top -run begin:map_luts", "synth_ecp5
 
 FAST_SYNTHESIS = f"""
 {BEFORE_LUTS}
+opt_clean -purge
 {FAST_LUTS}
 clean
 {AFTER_LUTS}
 """
-"""For a design that is all of ``fast``."""
+"""For a design that is all of ``fast``.  With the names of wires that nothing needs, ABC ends without a word while it maps some
+blocks (the ADC reader's; the yosys of requirements.txt)."""
 
 SYNTHESIS = f"""
 setattr -mod -set keep_hierarchy 1 {FAST_MODULES}
