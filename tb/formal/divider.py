@@ -21,7 +21,7 @@ def register(m, shape, value, **kwargs):
 
 def steps_left(m, inside, left, valid):
     """Assert that a Countdown, if ``valid``, stands for ``left`` steps (33 bits, 1 or more)."""
-    high = Signal(24)
+    high = Signal(len(inside._high))
     count = Signal(33)
     m.d.comb += [
         high.eq(Mux(inside._began, inside._start[8:], inside._high - inside._borrow - inside._due)),
