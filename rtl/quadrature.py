@@ -72,6 +72,8 @@ class QuadratureDecoder(wiring.Component):
         so that no two edges change places; ``invert`` is taken at once.  Neither makes or loses a count.
     steps : Out(StepStream(width))
         ``count`` is 0 at reset and wraps.
+    filter : Out(4)
+        In use: how much later than without filter the step comes of an edge that the synchronisers show in this clock.
     error : Out(1)
         One-clock strobe aligned with ``steps``: A and B changed in one clock, so that two counts were lost or
         none.  ``count`` stays; ``steps.a`` follows.
@@ -95,7 +97,7 @@ class QuadratureDecoder(wiring.Component):
         self._errors_full, self._low_zero, self._low_ones = Signal(), Signal(init=1), Signal()
         super().__init__({
             "a": In(1), "b": In(1), "z": In(1), "settings": In(DecoderSettings),
-            "steps": Out(StepStream(width)), "error": Out(1), "errors": Out(16),
+            "steps": Out(StepStream(width)), "filter": Out(FILTER_BITS), "error": Out(1), "errors": Out(16),
             "index": Out(1), "index_count": Out(signed(width)),
         })
 
@@ -112,6 +114,7 @@ class QuadratureDecoder(wiring.Component):
             still.eq((a.still & b.still & z.still) | settling[0]),
             samples.eq(Mux(still, self._wanted, self._samples)),
             off.eq(Mux(still, self._wanted_off, self._samples_off)),
+            self.filter.eq(self._samples),
         ]
         m.d.fast += [
             self._wanted.eq(self.settings.filter), self._wanted_off.eq(self.settings.filter == 0),
@@ -169,6 +172,8 @@ class QuadraturePeripheral(wiring.Component):
     a, b, z : In(1)
         Encoder pins, asynchronous.
     steps : Out(StepStream), fast
+    filter : Out(4), fast
+        As of the decoder.
     sample : In(1), fast
         The snapshot's sample strobe: ``Errors`` and ``IndexPosition`` are latched at the end of this clock.
     """
@@ -204,7 +209,7 @@ class QuadraturePeripheral(wiring.Component):
         memory_map = self._registers.finish()
         super().__init__({
             "bus": In(self._registers.bus_signature), "a": In(1), "b": In(1), "z": In(1),
-            "steps": Out(StepStream()), "sample": In(1),
+            "steps": Out(StepStream()), "filter": Out(FILTER_BITS), "sample": In(1),
         })
         self.bus.memory_map = memory_map
 
@@ -214,7 +219,9 @@ class QuadraturePeripheral(wiring.Component):
         m.submodules.decoder = decoder = QuadratureDecoder()
         connect(m, flipped(self.bus), self._registers.bus)
         connect(m, decoder.steps, flipped(self.steps))
-        m.d.comb += [decoder.a.eq(self.a), decoder.b.eq(self.b), decoder.z.eq(self.z)]
+        m.d.comb += [
+            decoder.a.eq(self.a), decoder.b.eq(self.b), decoder.z.eq(self.z), self.filter.eq(decoder.filter),
+        ]
 
         # The register holds what was written one clock after the write strobe.
         m.submodules.settings = settings = Handover(DecoderSettings, source="sync", destination="fast")

@@ -28,6 +28,7 @@ from rtl.quadrature import DECODER_LATENCY
 from rtl.registers import Field, Register
 from rtl.router import ROUTER_LATENCY
 from rtl.serial import FIFO_BYTES
+from rtl.trigger import RECORDS
 from soc import top
 from soc.header import render_header
 from soc.manual import render_manual
@@ -163,7 +164,8 @@ def files():
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ, "DECODER_LATENCY": DECODER_LATENCY,
                  "LINE_LATENCY": LINE_LATENCY, "ROUTER_LATENCY": ROUTER_LATENCY,
-                 "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES}
+                 "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES,
+                 "TRIGGER_RECORDS": RECORDS}
     return {
         "build/generated/regs.h": render_header(blocks, constants, interrupts),
         "build/generated/memory.ld": render_memory(top.REGIONS),

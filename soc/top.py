@@ -24,6 +24,7 @@ from rtl.router import RouterPeripheral
 from rtl.serial import SerialPeripheral
 from rtl.snapshot import SnapshotPeripheral
 from rtl.timer import TimerPeripheral
+from rtl.trigger import TriggerPeripheral
 from soc.bus import BusFaultPeripheral, BusTimeout, RegisterBridge
 from soc.cpu import BUS, Cpu
 from soc.memory import OnChipMemory, Region
@@ -74,6 +75,7 @@ PERIPHERALS = (
     Peripheral("timer", 0xffff_f100, TimerPeripheral, interrupt=("timer", 2)),
     Peripheral("buttons", 0xffff_f140, ButtonsPeripheral),
     Peripheral("knob", 0xffff_f180, KnobPeripheral),
+    Peripheral("report", 0xffff_f200, SerialPeripheral, interrupt=("report", 5)),
     # From here on within reach of one load or store off x0.
     Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
@@ -85,6 +87,7 @@ PERIPHERALS = (
                registers=RouterPeripheral),
     *(Peripheral(f"quadrature{n}", 0xffff_fa00 + 0x10 * n, QuadraturePeripheral) for n in range(AXES)),
     Peripheral("adc", 0xffff_fb00, AdcPeripheral),
+    Peripheral("trigger", 0xffff_fb80, TriggerPeripheral, interrupt=("trigger", 6)),
 )
 
 
@@ -123,6 +126,8 @@ class Abbe(wiring.Component):
         Analog-to-digital converter, see :mod:`rtl.adc`.
     serial_rx, serial_tx : In(1), Out(1)
         Serial port, idle high.
+    report_tx : Out(1)
+        Report port, idle high: sends only.
     pwm, dir : Out(4)
         Motor drive; ``dir`` 1 = toward +.
     motor_enable : Out(1)
@@ -153,6 +158,7 @@ class Abbe(wiring.Component):
             "knob_a": In(KNOBS), "knob_b": In(KNOBS),
             "adc_cs_n": Out(1, init=1), "adc_sck": Out(1), "adc_mosi": Out(1), "adc_miso": In(1),
             "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
+            "report_tx": Out(1, init=1),
             "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
             "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
             "cpu_asleep": Out(1),
@@ -195,24 +201,26 @@ class Abbe(wiring.Component):
 
     def _connect_blocks(self, m):
         parts = self._parts
-        inputs, serial, pwm = parts["inputs"], parts["serial"], parts["pwm"]
-        snapshot, line = parts["snapshot"], parts["line"]
+        inputs, serial, report, pwm = parts["inputs"], parts["serial"], parts["report"], parts["pwm"]
+        snapshot, line, trigger = parts["snapshot"], parts["line"], parts["trigger"]
         m.submodules.interlock = interlock = Interlock()
         for name in "limit_lower", "limit_upper", "estop", "in0", "in1", "dip":
             m.d.comb += getattr(inputs, name).eq(getattr(self, name))
         self._connect_panel(m)
         m.d.comb += [
-            serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx),
+            serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx), self.report_tx.eq(report.tx),
             interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
             self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),
             snapshot.tick.eq(pwm.tick_stb), pwm.latched_stb.eq(snapshot.tick_done),
             self.out0.eq(line.out0), self.sync_out.eq(line.sync_out), self.encoder_out.eq(line.encoder_out),
+            trigger.in0.eq(self.in0), trigger.out0.eq(line.out0), trigger.time.eq(snapshot.time),
         ]
         for n in range(AXES):
             encoder = parts[f"quadrature{n}"]
             m.d.comb += [
                 encoder.a.eq(self.enc_a[n]), encoder.b.eq(self.enc_b[n]), encoder.z.eq(self.enc_z[n]),
                 encoder.sample.eq(snapshot.sample), snapshot.positions[n].eq(encoder.steps.count),
+                trigger.filter[n].eq(encoder.filter), trigger.count[n].eq(encoder.steps.count),
             ]
             for name in StepStream().members:
                 m.d.comb += getattr(getattr(line, f"step{n}"), name).eq(getattr(encoder.steps, name))

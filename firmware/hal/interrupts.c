@@ -6,7 +6,9 @@
 
 _Static_assert(INTERRUPTS_TICK == 1 << INTERRUPT_TICK && INTERRUPTS_SERIAL == 1 << INTERRUPT_SERIAL &&
                    INTERRUPTS_TIMER == 1 << INTERRUPT_TIMER &&
-                   INTERRUPTS_LINE == 1 << INTERRUPT_LINE && INTERRUPTS_BUS == 1 << INTERRUPT_BUS,
+                   INTERRUPTS_LINE == 1 << INTERRUPT_LINE && INTERRUPTS_BUS == 1 << INTERRUPT_BUS &&
+                   INTERRUPTS_REPORT == 1 << INTERRUPT_REPORT &&
+                   INTERRUPTS_TRIGGER == 1 << INTERRUPT_TRIGGER,
                "interrupt lines");
 
 #ifdef __riscv

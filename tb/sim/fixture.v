@@ -4,6 +4,7 @@
 //   firmware[0], [1]  on-time of the PWM of X (direction +) and Y (-), in clk cycles of 2500
 //   boot[0]           low 32 bits: sent as four bytes, least significant first, after reset
 //   serial            every byte received is sent back, plus one
+//   report_tx         serial_rx, two clk late
 //   sync_out          X's count (from its own two-flip-flop decoder) is above 100
 //   encoder_out       A of X, two fast flip-flops late;  out0: in0, likewise
 //   adc_mosi          button[2], one clk late;  adc_cs_n, adc_sck: low
@@ -15,7 +16,7 @@ module abbe (
     input estop, in0, in1, serial_rx, joystick_button, adc_miso,
     input [3:0] button, dip, input [2:0] knob_a, knob_b,
     output reg [3:0] pwm, output reg [3:0] dir, output reg motor_enable,
-    output out0, output sync_out, output encoder_out, output reg serial_tx, output cpu_asleep,
+    output out0, output sync_out, output encoder_out, output reg serial_tx, output report_tx, output cpu_asleep,
     output adc_cs_n, adc_sck, output reg adc_mosi
 );
     localparam PERIOD = 2500, DIVISOR = 434;
@@ -94,6 +95,8 @@ module abbe (
                 tx_shift <= {1'b1, queue[tail], 1'b0}; tx_bit <= 10; tail <= tail + 1;
             end
         end
+
+    assign report_tx = rx[1];
 
     // A CPU that works one clock in sixteen.
     reg [3:0] tick;

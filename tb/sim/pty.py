@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """``make sim``: the simulated controller with its serial port on a pseudo-terminal, for host software.
 
-The first line on standard output is ``serial port: PATH``; open PATH with any terminal program or serial library
-(the baud rate does not matter).  Every few seconds a line on standard error compares simulated with real time.
+The first two lines on standard output are ``serial port: PATH`` and ``report port: PATH``; open them with any terminal
+program or serial library (the baud rate does not matter).  Every few seconds a line on standard error compares simulated with real time.
 Ctrl-C ends it.
 """
 
@@ -146,12 +146,13 @@ def run(options, build=controller.build):
     with contextlib.ExitStack() as resources:
         sim = resources.enter_context(design.power_up(plant_overrides=options.plant, baud=options.baud))
         port = resources.enter_context(contextlib.closing(Port()))
-        after_slice = [Stopwatch(sim, options.report).look]
+        report = resources.enter_context(contextlib.closing(Port()))
+        after_slice = [Stopwatch(sim, options.report).look, lambda: report.write(sim.report_read())]
         if options.vcd:
             after_slice.append(resources.enter_context(recording(sim, options.vcd)))
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: stop.append(True))
-        print(f"serial port: {port.path}", flush=True)
+        print(f"serial port: {port.path}\nreport port: {report.path}", flush=True)
         serve(sim, port, lambda: not stop, *after_slice)
 
 

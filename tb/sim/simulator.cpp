@@ -21,7 +21,8 @@ namespace {
 
 constexpr int64_t NEVER = INT64_MAX;
 constexpr uint32_t CONTROLLER_FAST = 1u << SIM_OUT0 | 1u << SIM_SYNC | 1u << SIM_ENCODER;
-constexpr uint32_t CONTROLLER_SYNC = 0xffu << SIM_PWM | 1u << SIM_MOTOR_ENABLE | 1u << SIM_SERIAL_TX;
+constexpr uint32_t CONTROLLER_SYNC = 0xffu << SIM_PWM | 1u << SIM_MOTOR_ENABLE | 1u << SIM_SERIAL_TX |
+                                     1u << SIM_REPORT_TX;
 constexpr uint32_t DRIVE = 0xffu << SIM_PWM | 1u << SIM_MOTOR_ENABLE;
 
 struct Scheduled {
@@ -45,7 +46,7 @@ struct sim {
     VerilatedContext context;
     std::unique_ptr<Vabbe> top;
     board *const stage;
-    SerialLine serial;
+    SerialLine serial, report;
 
     int64_t now_ps = 0;       /* the next sync edge */
     int64_t next_ps = 0;      /* the next thing that happens outside the controller */
@@ -62,7 +63,7 @@ struct sim {
     std::deque<sim_sample> samples;
 
     sim(board *made, double baud, int argument_count, const char *const *arguments)
-        : stage(made), serial(baud)
+        : stage(made), serial(baud), report(baud)
     {
         context.commandArgs(argument_count, const_cast<const char **>(arguments));
         top = std::make_unique<Vabbe>(&context, "abbe");
@@ -89,7 +90,8 @@ struct sim {
     uint32_t controller_sync() const
     {
         return uint32_t(top->pwm) << SIM_PWM | uint32_t(top->dir) << SIM_DIR |
-               uint32_t(top->motor_enable) << SIM_MOTOR_ENABLE | uint32_t(top->serial_tx) << SIM_SERIAL_TX;
+               uint32_t(top->motor_enable) << SIM_MOTOR_ENABLE | uint32_t(top->serial_tx) << SIM_SERIAL_TX |
+               uint32_t(top->report_tx) << SIM_REPORT_TX;
     }
 
     /** The pins in `mask` have these levels from `time_ps` on. */
@@ -132,7 +134,7 @@ struct sim {
 
     void plan()
     {
-        next_ps = std::min({board_next_ps(stage), serial.next_ps(), sample_ps,
+        next_ps = std::min({board_next_ps(stage), serial.next_ps(), report.next_ps(), sample_ps,
                             scheduled.empty() ? NEVER : scheduled.front().time_ps});
     }
 
@@ -145,6 +147,8 @@ struct sim {
                 board_next(stage, nullptr);
             } else if (serial.next_ps() == at_ps) {
                 serial.happen();
+            } else if (report.next_ps() == at_ps) {
+                report.happen();
             } else if (sample_ps == at_ps) {
                 take_sample();
             } else {
@@ -175,6 +179,8 @@ struct sim {
             board_drive_pins(stage, time_ps, top->pwm, top->dir, top->motor_enable);
         if ((levels ^ now) >> SIM_SERIAL_TX & 1)
             serial.listen(time_ps, top->serial_tx);
+        if ((levels ^ now) >> SIM_REPORT_TX & 1)
+            report.listen(time_ps, top->report_tx);
         change(time_ps, CONTROLLER_SYNC, now);
         plan();
     }
@@ -293,15 +299,20 @@ void sim_serial_write(struct sim *sim, const uint8_t *bytes, size_t size)
         sim->serial.write(bytes[n], sim->now_ps);
 }
 
-size_t sim_serial_read(struct sim *sim, uint8_t *bytes, int64_t *start_ps, size_t size)
+static size_t take_received(SerialLine &line, uint8_t *bytes, int64_t *start_ps, size_t size)
 {
-    auto &received = sim->serial.received;
+    auto &received = line.received;
     size_t count = 0;
     for (; count < size && !received.empty(); count++, received.pop_front()) {
         bytes[count] = received.front().value;
         start_ps[count] = received.front().start_ps;
     }
     return count;
+}
+
+size_t sim_serial_read(struct sim *sim, uint8_t *bytes, int64_t *start_ps, size_t size)
+{
+    return take_received(sim->serial, bytes, start_ps, size);
 }
 
 void sim_serial_set_baud(struct sim *sim, double baud)
@@ -322,6 +333,21 @@ size_t sim_serial_lines(const struct sim *sim)
 size_t sim_serial_framing_errors(const struct sim *sim)
 {
     return sim->serial.framing_errors;
+}
+
+size_t sim_report_read(struct sim *sim, uint8_t *bytes, int64_t *start_ps, size_t size)
+{
+    return take_received(sim->report, bytes, start_ps, size);
+}
+
+void sim_report_set_baud(struct sim *sim, double baud)
+{
+    sim->report.set_baud(baud);
+}
+
+size_t sim_report_framing_errors(const struct sim *sim)
+{
+    return sim->report.framing_errors;
 }
 
 void sim_set_recording(struct sim *sim, uint32_t signals)

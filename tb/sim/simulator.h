@@ -40,6 +40,7 @@ enum sim_signal {
     SIM_OUT0,
     SIM_SYNC,
     SIM_ENCODER,
+    SIM_REPORT_TX,
 };
 
 /** A recorded change of a pin. */
@@ -96,6 +97,13 @@ void sim_serial_set_baud(struct sim *sim, double baud);
 size_t sim_serial_unsent(const struct sim *sim);
 size_t sim_serial_lines(const struct sim *sim);
 size_t sim_serial_framing_errors(const struct sim *sim);
+
+/* -- The report port's line, from the controller only; at first at the rate of the other -------------------- */
+
+/** As sim_serial_read. */
+size_t sim_report_read(struct sim *sim, uint8_t *bytes, int64_t *start_ps, size_t size);
+void sim_report_set_baud(struct sim *sim, double baud);
+size_t sim_report_framing_errors(const struct sim *sim);
 
 /* -- Records ----------------------------------------------------------------------------------------------- */
 

@@ -28,7 +28,7 @@ SYNC_PERIOD_PS = 20000
 
 #: Pins by name, in the order of ``enum sim_signal``.
 SIGNALS = tuple(f"{axis}_{pin}" for pin in ("a", "b", "z", "pwm", "dir") for axis in plant.AXES) + (
-    "motor_enable", "estop", "in0", "in1", "serial_rx", "serial_tx", "out0", "sync", "encoder")
+    "motor_enable", "estop", "in0", "in1", "serial_rx", "serial_tx", "out0", "sync", "encoder", "report_tx")
 
 #: The pins of ``pins.vcd``.
 SCAN_SIGNALS = ("x_a", "x_b", "y_a", "y_b", "sync", "encoder", "in0", "out0")
@@ -59,6 +59,9 @@ def declare(library):
         ("serial_unsent", count, sim),
         ("serial_lines", count, sim),
         ("serial_framing_errors", count, sim),
+        ("report_read", count, sim, c.c_void_p, c.c_void_p, count),
+        ("report_set_baud", None, sim, c.c_double),
+        ("report_framing_errors", count, sim),
         ("set_recording", None, sim, c.c_uint32),
         ("levels", c.c_uint32, sim),
         ("take_changes", count, sim, c.c_void_p, count),
@@ -171,10 +174,12 @@ class Simulator(board.Hands):
 
     def serial_read_timed(self):
         """The same, and an array of the times (ps) of their start bits."""
+        return self._take_received(self._library.sim_serial_read)
+
+    def _take_received(self, read):
         data, times = numpy.empty(0, "u1"), numpy.empty(0, "i8")
         chunk_data, chunk_times = numpy.empty(4096, "u1"), numpy.empty(4096, "i8")
-        while count := self._library.sim_serial_read(
-                self._sim, chunk_data.ctypes.data, chunk_times.ctypes.data, len(chunk_data)):
+        while count := read(self._sim, chunk_data.ctypes.data, chunk_times.ctypes.data, len(chunk_data)):
             data = numpy.append(data, chunk_data[:count])
             times = numpy.append(times, chunk_times[:count])
         return data.tobytes(), times
@@ -192,6 +197,23 @@ class Simulator(board.Hands):
     def serial_framing_errors(self):
         """Bytes received without a stop bit; they are not in what :meth:`serial_read` returns."""
         return self._library.sim_serial_framing_errors(self._sim)
+
+    def report_read_timed(self):
+        """As :meth:`serial_read_timed`, of the report port's line."""
+        return self._take_received(self._library.sim_report_read)
+
+    def report_read(self):
+        """All bytes received on the report port's line since the last call."""
+        return self.report_read_timed()[0]
+
+    def report_set_baud(self, baud):
+        """Of the report port's line, for bytes that start from now on; ``baud`` of the other at first."""
+        self._library.sim_report_set_baud(self._sim, baud)
+
+    @property
+    def report_framing_errors(self):
+        """Bytes received on that line without a stop bit."""
+        return self._library.sim_report_framing_errors(self._sim)
 
     def command(self, text, *, lines=1, timeout_ps=200 * MS):
         """Send a command and its carriage return; returns the reply as text, up to its line feed included.

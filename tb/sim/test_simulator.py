@@ -177,6 +177,23 @@ def test_a_byte_without_a_stop_bit_is_counted_and_not_received(make):
     assert (sim.serial_read(), sim.serial_framing_errors) == (b"", 1)
 
 
+def test_the_report_line_is_heard_beside_the_other_at_a_rate_of_its_own(make):
+    """The stand-in repeats on it what it is sent."""
+    sim = make()
+    sim.record("serial_rx", "report_tx")
+    sim.serial_write(b"Abbe")
+    sim.run(MS)
+    data, times = sim.report_read_timed()
+    assert (data, sim.report_read(), sim.report_framing_errors) == (b"Abbe", b"", 0)
+    changes = sim.changes()
+    sent, heard = of(changes, "serial_rx")[0], of(changes, "report_tx")[0]
+    assert len(heard) == len(sent) and times[0] == heard[0] and 20_000 < (heard - sent).min()
+    sim.report_set_baud(230400)
+    sim.serial_write(b"\xff\x00")          # low for one bit, and for nine: two bytes, and one without a stop bit
+    sim.run(MS)
+    assert sim.report_read()[:1] != b"\xff" and sim.report_framing_errors == 1
+
+
 def test_command_returns_the_reply_and_nothing_older(make):
     sim = make()
     sim.run(MS)  # the greeting is waiting

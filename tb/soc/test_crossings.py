@@ -28,6 +28,7 @@ from amaranth.lib.wiring import In, Out
 
 from rtl import crossing
 from rtl.quadrature import DecoderSettings
+from rtl.trigger import TriggerPeripheral
 from soc import cpu, gateware, memory, pins
 from soc.top import Abbe
 from tb import toolchain
@@ -146,6 +147,14 @@ def netlist_of(component, directory, oscillator=None):
     (directory / "memory.v").write_text(memory.VERILOG.read_text())
     toolchain.yosys(SCRIPT, cwd=directory)
     return Netlist(json.loads((directory / "top.json").read_text())["modules"]["top"], oscillator)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short_queue():
+    """The trigger's queue with room for four records: in flip-flops, 1024 would take minutes to walk."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(TriggerPeripheral.__init__.__kwdefaults__, "depth", 4)
+        yield
 
 
 @pytest.fixture(scope="module")

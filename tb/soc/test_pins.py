@@ -86,7 +86,7 @@ BROKEN = {
     "nothing_is_in_conflict_on_the_board": [
         (*move("dac_sck", "gp16", "N16"), r"dac_sck \(dac, out\) may not be at gp16: inputs AIN0"),
         (*move("knob_a[2]", "gp7", "A6"), None),
-        (*move("serial_out", "gp17", "L16"), r"serial_out \(serial, out\) may not be at gp17: inputs AIN6"),
+        (*move("report_tx", "gp17", "L16"), r"report_tx \(serial, out\) may not be at gp17: inputs AIN6"),
         (*move("motor_enable", "gp13", "H4"), r"motor_enable \(motor, out\) may not be at gp13: inputs of the ESP32"),
         (*move("in1", "gn12", "F3"), r"in1 \(ttl, in\) may not be at gn12: the ESP32"),
         (*move("led[7]", "FLASH D3", "W1"), "may not be at FLASH D3: the FPGA configures itself"),

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """``make twin``: the virtual controller at real time, for developing host software without hardware.
 
-The first two lines on standard output are ``serial port: PATH`` and ``tcp port: N`` (of this machine only); both are the
-controller's one serial line.  SIGTERM or Ctrl-C ends it.
+The first lines on standard output are ``serial port: PATH`` and ``tcp port: N`` (of this machine only), both the
+controller's main serial line, then ``report port: PATH`` and ``report tcp port: N``, which only send.  SIGTERM or Ctrl-C
+ends it.
 """
 
 import argparse

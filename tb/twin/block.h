@@ -49,6 +49,7 @@ enum Output : unsigned {
     ADC_CS_N,
     ADC_SCK,
     ADC_MOSI,
+    REPORT_TX,
     INTERRUPT = 32,
 };
 
@@ -72,7 +73,7 @@ constexpr uint32_t field(uint32_t value, uint32_t mask, unsigned shift)
 /** Levels of the output pins and interrupt lines. */
 class Outputs {
 public:
-    uint64_t levels = bit(SERIAL_TX) | bit(ADC_CS_N);
+    uint64_t levels = bit(SERIAL_TX) | bit(ADC_CS_N) | bit(REPORT_TX);
 
     /** From `edge` on. */
     void set(Time edge, unsigned pin, bool level)

@@ -6,15 +6,17 @@
 namespace twin {
 
 Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter)
-    : identity_(build.build_id), bus_fault_(outputs), serial_(outputs), timer_(outputs, build.timer),
+    : identity_(build.build_id), bus_fault_(outputs), serial_(outputs, MAIN_PORT), report_(outputs, REPORT_PORT), timer_(outputs, build.timer),
       inputs_(timer_, pins), buttons_(timer_, pins, build.millisecond), knobs_(pins),
-      pwm_(outputs, snapshot_, adc_, pins), adc_(outputs, pins, std::move(converter)), snapshot_(pwm_, quadrature_, build.time), line_(outputs, quadrature_),
+      pwm_(outputs, snapshot_, adc_, pins), adc_(outputs, pins, std::move(converter)), snapshot_(pwm_, quadrature_, build.time),
+      trigger_(outputs, quadrature_, pins, build.time), line_(outputs, quadrature_, trigger_),
       quadrature_{{line_, 0, pins}, {line_, 1, pins}, {line_, 2, pins}, {line_, 3, pins}}, pins_(pins)
 {
     add(identity_, REG_IDENTITY_MAGIC, REG_IDENTITY_FAST_CLOCK_HZ);
     add(bus_fault_, REG_BUS_FAULT, REG_BUS_ADDRESS);
     add(inputs_, REG_INPUTS_LEVELS, REG_INPUTS_IN1_TIME);
     add(serial_, REG_SERIAL_DATA, REG_SERIAL_INTERRUPT_ENABLE);
+    add(report_, REG_REPORT_DATA, REG_REPORT_INTERRUPT_ENABLE);
     add(timer_, REG_TIMER_COUNT, REG_TIMER_INTERRUPT);
     add(buttons_, REG_BUTTONS_LEVELS, REG_BUTTONS_EXTRA_LONG);
     add(buttons_, REG_BUTTONS_PRESS0, REG_BUTTONS_TIME3);
@@ -24,6 +26,7 @@ Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converte
     add(pwm_, REG_PWM_DUTY0, REG_PWM_DUTY_DELAY);
     add(snapshot_, REG_SNAPSHOT_CONTROL, REG_SNAPSHOT_SAMPLE_TIME_HIGH);
     add(snapshot_, REG_SNAPSHOT_SAMPLE_POSITION0, REG_SNAPSHOT_SAMPLE_POSITION3);
+    add(trigger_, REG_TRIGGER_CONFIG, REG_TRIGGER_COUNT3);
     add(line_, REG_COMPARE_CONFIG, REG_COMPARE_INTERRUPT);
     add(line_, REG_DIVIDER_AXIS, REG_DIVIDER_MERGED);
     add(line_, REG_ROUTER_OUT0, REG_ROUTER_ENCODER);

@@ -25,6 +25,7 @@
 #include "serial.h"
 #include "snapshot.h"
 #include "timer.h"
+#include "trigger.h"
 
 namespace twin {
 
@@ -69,6 +70,7 @@ public:
 
     /** Clocks of a bit on the serial line, as set by the firmware. */
     uint32_t serial_divisor() const { return serial_.divisor(); }
+    uint32_t report_divisor() const { return report_.divisor(); }
 
 private:
     void add(Block &block, uint32_t first, uint32_t last);
@@ -77,7 +79,7 @@ private:
     /* In the order in which they run at one edge: who looks at another comes before it. */
     Identity identity_;
     BusFault bus_fault_;
-    Serial serial_;
+    Serial serial_, report_;
     Timer timer_;
     Inputs inputs_;
     Buttons buttons_;
@@ -85,6 +87,7 @@ private:
     Pwm pwm_;
     Adc adc_;
     Snapshot snapshot_;
+    Trigger trigger_;
     Line line_;
     Quadrature quadrature_[AXES];
 

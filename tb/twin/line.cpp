@@ -28,7 +28,8 @@ bool Line::Live::operator==(const Live &other) const
            router[PIN_ENCODER] == other.router[PIN_ENCODER] && width == other.width && axis == other.axis;
 }
 
-Line::Line(Outputs &outputs, Quadrature (&encoders)[AXES]) : outputs_(outputs), encoders_(encoders)
+Line::Line(Outputs &outputs, Quadrature (&encoders)[AXES], Trigger &trigger)
+    : outputs_(outputs), encoders_(encoders), trigger_(trigger)
 {
     registers_.phase = REG_DIVIDER_PHASE_VALUE_RESET;
     live_ = {{REG_ROUTER_OUT0_SOURCE_RESET, REG_ROUTER_SYNC_SOURCE_RESET, REG_ROUTER_ENCODER_SOURCE_RESET}, 0, 0};
@@ -385,6 +386,7 @@ void Line::show_pins(Time edge)
         const bool level = source < sizeof levels ? levels[source] : false;
         outputs_.set(edge, pins[pin], level != bool(live.router[pin] & REG_ROUTER_OUT0_INVERT_MASK));
     }
+    trigger_.out0(edge, outputs_.levels >> OUT0 & 1);
 }
 
 } // namespace twin

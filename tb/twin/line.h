@@ -13,12 +13,14 @@
 #include "block.h"
 #include "crossing.h"
 #include "quadrature.h"
+#include "trigger.h"
 
 namespace twin {
 
 class Line final : public Block, public StepListener {
 public:
-    Line(Outputs &outputs, Quadrature (&encoders)[AXES]);
+    /** `trigger` is told of OUT0. */
+    Line(Outputs &outputs, Quadrature (&encoders)[AXES], Trigger &trigger);
 
     void step(unsigned axis, bool up, int32_t count, Time edge) override;
     void channel_a(unsigned axis, Time edge) override;
@@ -105,6 +107,7 @@ private:
 
     Outputs &outputs_;
     Quadrature (&encoders_)[AXES];
+    Trigger &trigger_;
     Agenda<Kind> agenda_;
 
     /* Registers. */

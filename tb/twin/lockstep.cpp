@@ -41,6 +41,8 @@ struct Pin {
 constexpr Pin PINS[] = {{"pwm", PWM}, {"dir", DIR}, {"motor_enable", MOTOR_ENABLE}, {"out0", OUT0},
                         {"sync_out", SYNC_OUT}, {"encoder_out", ENCODER_OUT}, {"serial_tx", SERIAL_TX},
                         {"adc_cs_n", ADC_CS_N}, {"adc_sck", ADC_SCK}, {"adc_mosi", ADC_MOSI},
+                        {"report_tx", REPORT_TX}, {"report", INTERRUPT + INTERRUPT_REPORT},
+                        {"trigger", INTERRUPT + INTERRUPT_TRIGGER},
                         {"tick", INTERRUPT + INTERRUPT_TICK}, {"serial", INTERRUPT + INTERRUPT_SERIAL},
                         {"timer", INTERRUPT + INTERRUPT_TIMER}, {"line", INTERRUPT + INTERRUPT_LINE},
                         {"bus", INTERRUPT + INTERRUPT_BUS}};
@@ -115,7 +117,7 @@ private:
                uint64_t(top_.out0) << OUT0 | uint64_t(top_.sync_out) << SYNC_OUT |
                uint64_t(top_.encoder_out) << ENCODER_OUT | uint64_t(top_.serial_tx) << SERIAL_TX |
                uint64_t(top_.adc_cs_n) << ADC_CS_N | uint64_t(top_.adc_sck) << ADC_SCK |
-               uint64_t(top_.adc_mosi) << ADC_MOSI |
+               uint64_t(top_.adc_mosi) << ADC_MOSI | uint64_t(top_.report_tx) << REPORT_TX |
                uint64_t(top_.interrupts) << INTERRUPT;
     }
 

@@ -17,7 +17,7 @@ constexpr uint64_t DRIVES = uint64_t(0xf) << PWM | uint64_t(0xf) << DIR | bit(MO
 } // namespace
 
 Machine::Machine(struct board *board)
-    : board_(board), line_(115200),
+    : board_(board), line_(115200), report_(115200),
       gateware_(*this, pins(), {BUILD_ID}, [board](uint16_t word) { return board_adc_frame(board, word); })
 {
     plan();
@@ -66,13 +66,23 @@ void Machine::send(uint8_t byte)
     plan();
 }
 
+static bool take(SerialLine &line, uint8_t &byte)
+{
+    if (line.received.empty())
+        return false;
+    byte = line.received.front().value;
+    line.received.pop_front();
+    return true;
+}
+
 bool Machine::receive(uint8_t &byte)
 {
-    if (line_.received.empty())
-        return false;
-    byte = line_.received.front().value;
-    line_.received.pop_front();
-    return true;
+    return take(line_, byte);
+}
+
+bool Machine::receive_report(uint8_t &byte)
+{
+    return take(report_, byte);
 }
 
 /** The controller's pins act on the board and the line. */
@@ -85,7 +95,11 @@ void Machine::changed(Time edge, uint64_t pins)
         line_.set_baud(double(CLOCK_HZ) / gateware_.serial_divisor());
         line_.listen(edge * FAST_PS, levels >> SERIAL_TX & 1);
     }
-    if (pins & (DRIVES | bit(SERIAL_TX)))
+    if (pins & bit(REPORT_TX)) {
+        report_.set_baud(double(CLOCK_HZ) / gateware_.report_divisor());
+        report_.listen(edge * FAST_PS, levels >> REPORT_TX & 1);
+    }
+    if (pins & (DRIVES | bit(SERIAL_TX) | bit(REPORT_TX)))
         plan();
 }
 
@@ -104,17 +118,19 @@ uint64_t Machine::pins() const
 void Machine::happen()
 {
     const Time edge = outside_;
-    if (board_next_ps(board_) <= line_.next_ps())
+    if (board_next_ps(board_) <= std::min(line_.next_ps(), report_.next_ps()))
         board_next(board_, nullptr);
-    else
+    else if (line_.next_ps() <= report_.next_ps())
         line_.happen();
+    else
+        report_.happen();
     gateware_.input(edge, pins());
     plan();
 }
 
 void Machine::plan()
 {
-    const int64_t next_ps = std::min(board_next_ps(board_), line_.next_ps());
+    const int64_t next_ps = std::min({board_next_ps(board_), line_.next_ps(), report_.next_ps()});
     outside_ = next_ps == INT64_MAX ? NEVER : next_ps / FAST_PS + 1;
 }
 

@@ -39,6 +39,9 @@ public:
     size_t unsent() const { return line_.unsent(); }
     bool receive(uint8_t &byte);
 
+    /** A byte from the report port, whose far end has its bit rate too. */
+    bool receive_report(uint8_t &byte);
+
 private:
     void changed(Time edge, uint64_t pins) override;
     uint64_t pins() const;
@@ -46,7 +49,7 @@ private:
     void plan();
 
     struct board *const board_;
-    SerialLine line_;
+    SerialLine line_, report_;
     Gateware gateware_;
     Time now_ = 0;
     Time outside_ = NEVER; /* the edge that is the first to see what happens next on the board or the line */

@@ -54,9 +54,10 @@ int64_t real_ns()
 class Twin {
 public:
     Twin(struct board *board, double speed, uint16_t tcp_port)
-        : machine(board), ports_(tcp_port), fast_per_ns_(speed * FAST_CLOCK_HZ * 1e-9), origin_ns_(real_ns())
+        : machine(board), ports_(tcp_port), report_ports_(0), fast_per_ns_(speed * FAST_CLOCK_HZ * 1e-9), origin_ns_(real_ns())
     {
         std::printf("serial port: %s\ntcp port: %u\n", ports_.path().c_str(), ports_.tcp_port());
+        std::printf("report port: %s\nreport tcp port: %u\n", report_ports_.path().c_str(), report_ports_.tcp_port());
         std::fflush(stdout);
     }
 
@@ -83,7 +84,8 @@ public:
     }
 
 private:
-    static constexpr uint32_t ENABLED = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
+    static constexpr uint32_t ENABLED = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS |
+                                        INTERRUPTS_REPORT | INTERRUPTS_TRIGGER;
 
     /** Serve the hosts, and wait until real time has come as far as the controller's. */
     void keep_pace()
@@ -117,9 +119,14 @@ private:
         while (machine.receive(bytes[0]))
             ports_.write(bytes[0]);
         ports_.flush();
+        while (machine.receive_report(bytes[0]))
+            report_ports_.write(bytes[0]);
+        report_ports_.wait(0);
+        (void)report_ports_.read(bytes, sizeof bytes); /* nobody listens */
+        report_ports_.flush();
     }
 
-    twin::Ports ports_;
+    twin::Ports ports_, report_ports_;
     const double fast_per_ns_;
     int64_t origin_ns_;  /* real time at which the controller's began */
     Time allowed_ = 0;   /* how far it may run */

@@ -20,7 +20,7 @@ public:
     const std::string &path() const { return path_; }
     uint16_t tcp_port() const { return tcp_port_; }
 
-    /** Wait for something to read, or the end of the time. */
+    /** Wait for something to read, a host that connects, or the end of the time. */
     void wait(int64_t ns);
 
     /** Bytes from whoever sent some, at most `size`, without waiting. */

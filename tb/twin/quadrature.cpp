@@ -28,6 +28,14 @@ void Quadrature::hold(Time edge)
     held_index_ = index_.before(edge);
 }
 
+unsigned Quadrature::filter(Time edge) const
+{
+    for (const Wire &wire : wire_)
+        if (wire.change != NEVER)
+            return samples_;
+    return moved_ < edge - 1 ? settings_.before(edge - 2).filter : samples_;
+}
+
 uint32_t Quadrature::read(uint32_t address, Time)
 {
     switch (address - axis_ * REG_QUADRATURE_STRIDE) {
@@ -124,8 +132,7 @@ void Quadrature::show_pins(unsigned levels, Time edge)
         if (wire.change != NEVER)
             moved_ = edge - 1;
     /* A new filter is taken while all stand still, a clock after its setting; `edge - 1` decided on it. */
-    if (moved_ < edge - 1)
-        samples_ = settings_.before(edge - 2).filter;
+    samples_ = filter(edge);
     for (unsigned n = 0; n < WIRES; n++) {
         Wire &wire = wire_[n];
         wire.pin = levels >> n & 1;

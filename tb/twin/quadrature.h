@@ -27,6 +27,9 @@ public:
     int32_t count(Time edge) const { return count_.before(edge); }
     bool a(Time edge) const { return a_.before(edge); }
 
+    /** Clocks by which the filter delays what `edge` is the first to judge. */
+    unsigned filter(Time edge) const;
+
     /** The snapshot samples at `edge`: errors and index position are held. */
     void hold(Time edge);
 

@@ -12,42 +12,14 @@ constexpr uint32_t ERRORS_MAX = 0xffff;
 
 } // namespace
 
-void Fifo::see(Time edge)
+Serial::Serial(Outputs &outputs, const SerialPort &port)
+    : outputs_(outputs), port_(port), written_(REG_SERIAL_DIVISOR_VALUE_RESET)
 {
-    if (at_ != edge)
-        seen_ = level_;
-    at_ = edge;
 }
-
-void Fifo::clock(Time edge, bool read)
-{
-    see(edge);
-    if (seen_ != 0 && (!ready_ || read)) {
-        output_ = bytes_[out_];
-        out_ = (out_ + 1) % INNER;
-        level_--;
-        ready_ = true;
-    } else if (read) {
-        ready_ = false;
-    }
-}
-
-bool Fifo::put(Time edge, uint8_t byte)
-{
-    see(edge);
-    if (seen_ == INNER)
-        return false;
-    bytes_[in_] = byte;
-    in_ = (in_ + 1) % INNER;
-    level_++;
-    return true;
-}
-
-Serial::Serial(Outputs &outputs) : outputs_(outputs), written_(REG_SERIAL_DIVISOR_VALUE_RESET) {}
 
 uint32_t Serial::read(uint32_t address, Time edge)
 {
-    switch (address) {
+    switch (address - port_.address + REG_SERIAL_DATA) {
     case REG_SERIAL_DATA:
         agenda_.add(edge, Kind::POP);
         return uint32_t(rx_.output()) << REG_SERIAL_DATA_BYTE_SHIFT | (rx_.ready() ? REG_SERIAL_DATA_VALID_MASK : 0);
@@ -66,7 +38,7 @@ uint32_t Serial::read(uint32_t address, Time edge)
 
 void Serial::write(uint32_t address, uint32_t value, Time edge)
 {
-    switch (address) {
+    switch (address - port_.address + REG_SERIAL_DATA) {
     case REG_SERIAL_DATA:
         if (tx_.put(edge, uint8_t(field(value, REG_SERIAL_DATA_BYTE_MASK, REG_SERIAL_DATA_BYTE_SHIFT))))
             tx_moved(edge);
@@ -89,9 +61,9 @@ void Serial::write(uint32_t address, uint32_t value, Time edge)
 
 void Serial::input(Time edge, uint64_t changed, uint64_t pins)
 {
-    if (!(changed & twin::bit(SERIAL_RX)))
+    if (!(changed & twin::bit(port_.rx)))
         return;
-    line_.set(sync_from(edge) + SYNC, pins >> SERIAL_RX & 1);
+    line_.set(sync_from(edge) + SYNC, pins >> port_.rx & 1);
     agenda_.add(sync_from(edge) + 2 * SYNC, Kind::RX_LOOK);
 }
 
@@ -193,7 +165,7 @@ void Serial::load(Time edge)
 
 void Serial::shift(Time edge)
 {
-    outputs_.set(edge, SERIAL_TX, shift_ & 1);
+    outputs_.set(edge, port_.tx, shift_ & 1);
     shift_ >>= 1;
     if (--left_ != 0) {
         agenda_.add(edge + bit(), Kind::TX_SHIFT);
@@ -218,7 +190,7 @@ void Serial::show(Time edge)
                            ((enable_ & REG_SERIAL_INTERRUPT_ENABLE_TX_LOW_MASK) &&
                             tx_.level() <= SERIAL_FIFO_BYTES / 2) ||
                            ((enable_ & REG_SERIAL_INTERRUPT_ENABLE_ERROR_MASK) && errors_.bits);
-    outputs_.set(edge, INTERRUPT + INTERRUPT_SERIAL, interrupt);
+    outputs_.set(edge, port_.interrupt, interrupt);
 }
 
 } // namespace twin

@@ -1,51 +1,27 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** The serial port, bit by bit, with its FIFOs: rtl/serial.py. */
+/** A serial port, bit by bit, with its FIFOs: rtl/serial.py. */
 #ifndef TWIN_SERIAL_H
 #define TWIN_SERIAL_H
 
-#include <array>
-
 #include "agenda.h"
 #include "block.h"
+#include "fifo.h"
 
 namespace twin {
 
-/**
- * A FIFO with a register at its output, which a byte reaches the clock after it came. At one edge, take first and put
- * then; both go by what the edge saw.
- */
-class Fifo {
-public:
-    bool ready() const { return ready_; }
-    bool full() const { return level_ == INNER; }
-    unsigned level() const { return level_ + ready_; }
-    uint8_t output() const { return output_; }
-
-    /** The output is empty and will not be after the next clock. */
-    bool moves() const { return level_ != 0 && !ready_; }
-
-    /** A clock, with or without a read. */
-    void clock(Time edge, bool read);
-
-    /** False: it was full, and the byte is lost. */
-    bool put(Time edge, uint8_t byte);
-
-private:
-    static constexpr unsigned INNER = SERIAL_FIFO_BYTES - 1;
-
-    void see(Time edge);
-
-    std::array<uint8_t, INNER> bytes_{};
-    unsigned in_ = 0, out_ = 0, level_ = 0;
-    uint8_t output_ = 0;
-    bool ready_ = false;
-    Time at_ = NEVER; /* the last edge that did anything, and the level it saw */
-    unsigned seen_ = 0;
+/** Which of the serial ports it is. */
+struct SerialPort {
+    uint32_t address; /* of its first register */
+    unsigned tx, interrupt;
+    unsigned rx = INPUT_PINS; /* none: idle for ever */
 };
+
+constexpr SerialPort MAIN_PORT{REG_SERIAL_DATA, SERIAL_TX, INTERRUPT + INTERRUPT_SERIAL, SERIAL_RX};
+constexpr SerialPort REPORT_PORT{REG_REPORT_DATA, REPORT_TX, INTERRUPT + INTERRUPT_REPORT};
 
 class Serial final : public Block {
 public:
-    explicit Serial(Outputs &outputs);
+    Serial(Outputs &outputs, const SerialPort &port);
 
     /** `sync` clocks of a bit. */
     uint32_t divisor() const { return written_ < 8 ? 8 : written_; }
@@ -70,6 +46,7 @@ private:
     void show(Time edge);
 
     Outputs &outputs_;
+    const SerialPort port_;
     Agenda<Kind> agenda_;
     uint32_t written_, enable_ = 0;
     EventBits errors_;
@@ -80,10 +57,10 @@ private:
     bool receiving_ = false, waiting_ = false;
     unsigned frame_ = 0, sampled_ = 0;
     Time idle_from_ = 0; /* the first edge that may find a start bit */
-    Fifo rx_;
+    Fifo<uint8_t, SERIAL_FIFO_BYTES> rx_;
 
     /* Transmitter: bits left of the frame; when it fell quiet, and for how many clocks it had been before. */
-    Fifo tx_;
+    Fifo<uint8_t, SERIAL_FIFO_BYTES> tx_;
     unsigned shift_ = 0, left_ = 0;
     Time quiet_from_ = 0, quiet_ = 0;
 };

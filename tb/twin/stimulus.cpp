@@ -122,9 +122,14 @@ Access BusStimulus::next(const Now &now)
     }
     if (random_.one_in(60))
         line(now);
-    if (random_.one_in(5000)) /* fill the transmitter */
+    if (random_.one_in(2500)) { /* fill a transmitter */
+        const uint32_t data = random_.one_in(2) ? REG_SERIAL_DATA : REG_REPORT_DATA;
         for (int64_t n = random_.from(30, 80); n > 0; n--)
-            script_.push_back({REG_SERIAL_DATA, random_.word(), true, 15});
+            script_.push_back({data, random_.word(), true, 15});
+    }
+    if (random_.one_in(20000)) /* empty the trigger's queue, or nearly so */
+        for (int64_t n = random_.from(1, 1100); n > 0; n--)
+            script_.push_back({REG_TRIGGER_NEXT, random_.word() | 1, true, 15});
     if (random_.one_in(500)) /* nowhere, or not a whole word */
         return {random_.one_in(2) ? random_.word() & 0x7fffffff : 0xfffff000 | (random_.word() & 0xfff),
                 random_.word(), random_.one_in(2), unsigned(random_.from(0, 14))};
@@ -160,15 +165,23 @@ void BusStimulus::line(const Now &now)
 
 uint32_t BusStimulus::value(uint32_t address, const Now &now)
 {
-    const bool leaves_little_to_see = address == REG_SERIAL_DIVISOR || address == REG_PWM_TICK_DIVIDER ||
+    const bool leaves_little_to_see = address == REG_SERIAL_DIVISOR || address == REG_REPORT_DIVISOR ||
+                                      address == REG_PWM_TICK_DIVIDER ||
                                       address == REG_BUTTONS_DEBOUNCE || address == REG_KNOB_FILTER;
-    if (random_.one_in(leaves_little_to_see ? 60 : 16) && address != REG_SERIAL_DIVISOR)
+    if (random_.one_in(leaves_little_to_see ? 60 : 16) && address != REG_SERIAL_DIVISOR &&
+        address != REG_REPORT_DIVISOR)
         return random_.word();
     switch (address) {
     case REG_SERIAL_DIVISOR:
-        /* Long bits would leave nothing to see. */
-        return random_.one_in(300) ? random_.word() : uint32_t(random_.from(0, random_.one_in(8) ? 40 : 12));
-    case REG_SERIAL_INTERRUPT_ENABLE: return uint32_t(random_.from(0, 7));
+    case REG_REPORT_DIVISOR:
+        if (random_.one_in(50)) { /* long bits would leave nothing to see */
+            script_.push_back({address, 0, false, 15});
+            script_.push_back({address, uint32_t(random_.from(0, 12)), true, 15});
+            return random_.word();
+        }
+        return uint32_t(random_.from(0, random_.one_in(8) ? 40 : 12));
+    case REG_SERIAL_INTERRUPT_ENABLE:
+    case REG_REPORT_INTERRUPT_ENABLE: return uint32_t(random_.from(0, 7));
     case REG_TIMER_ALARM: return now.timer + uint32_t(random_.from(-30, 200));
     case REG_PWM_CONTROL: return random_.one_in(3) ? random_.word() : 0xf;
     case REG_PWM_TICK_DIVIDER: return uint32_t(random_.from(0, 3));
@@ -179,6 +192,9 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
     case REG_DIVIDER_INTERVAL_MIN: return random_.one_in(2) ? ~0u : uint32_t(random_.from(0, 20));
     case REG_COMPARE_REFERENCE: return uint32_t(now.count[random_.from(0, 3)] + random_.from(-20, 20));
     case REG_ADC_CONTROL: return !random_.one_in(4);
+    case REG_TRIGGER_CONFIG: /* enabled, and short pulses */
+        return (random_.word() & REG_TRIGGER_CONFIG_OUTPUT_MASK) | (random_.word() & REG_TRIGGER_CONFIG_FALLING_MASK) |
+               REG_TRIGGER_CONFIG_ENABLE_MASK | uint32_t(random_.from(0, 60)) << REG_TRIGGER_CONFIG_MINIMUM_SHIFT;
     case REG_BUTTONS_DEBOUNCE:
     case REG_KNOB_FILTER: return uint32_t(random_.from(0, 4));
     case REG_BUTTONS_LONG:

@@ -12,9 +12,12 @@ from tb.twin import gateware
 ACCESSES = 1_000_000
 
 CONSTANT = {f"identity.{name}.value" for name in ("magic", "map_version", "build_id", "clock_hz", "fast_clock_hz")}
-UNREACHABLE = {"adc.events.overrun"}        # a scan is shorter than a PWM period, so than any servo period
+UNREACHABLE = {"adc.events.overrun",        # a scan is shorter than a PWM period, so than any servo period
+               *(f"report.{field}" for field in (   # the port hears nothing
+                   "data.byte", "data.valid", "status.rx_ready", "errors.rx_overrun", "errors.framing",
+                   "errors.line_break", "error_count.frames"))}
 PINS = ("pwm", "dir", "motor_enable", "out0", "sync_out", "encoder_out", "serial_tx", "adc_cs_n", "adc_sck", "adc_mosi",
-        "tick", "serial", "timer", "line", "bus")
+        "report_tx", "report", "trigger", "tick", "serial", "timer", "line", "bus")
 
 
 @pytest.fixture(scope="module")

@@ -116,8 +116,9 @@ def test_a_signal_ends_make_twin_cleanly(number):
     """Also while it moves; and its first lines are those that programs look for."""
     process = subprocess.Popen([sys.executable, "-m", "tb.twin", "--speed", "2"], cwd=toolchain.ROOT,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    first, second = process.stdout.readline(), process.stdout.readline()
+    first, second, third, fourth = (process.stdout.readline() for _ in range(4))
     assert first.startswith("serial port: /dev/") and second.startswith("tcp port: ")
+    assert third.startswith("report port: /dev/") and fourth.startswith("report tcp port: ")
     with serial.Serial(first.removeprefix("serial port: ").strip(), timeout=5) as line:
         ask(line, "M X=100000")
         process.send_signal(number)

@@ -25,18 +25,21 @@ def command(program, *, parameters, speed=1, tcp_port=0, settings=None):
 class Twin:
     """A running virtual controller; use it in a ``with`` statement.
 
-    ``port`` is the path of its serial port, ``tcp_port`` the number of its TCP port on the loopback interface.
+    ``port`` is the path of its serial port, ``tcp_port`` the number of its TCP port on the loopback interface;
+    ``report_port`` and ``report_tcp_port`` those of the report port.
     """
 
     def __init__(self, *, plant_overrides=(), **options):
         parameters = plant.render(plant.load(plant_overrides))
         self.process = subprocess.Popen(command(build(), parameters=parameters, **options), stdout=subprocess.PIPE,
                                         stdin=subprocess.DEVNULL, text=True)
-        lines = [self.process.stdout.readline() for _ in range(2)]
+        lines = [self.process.stdout.readline() for _ in range(4)]
         if not lines[1].startswith("tcp port: "):
             raise RuntimeError(f"the virtual controller ended with status {self.process.wait()}")
         self.port = lines[0].removeprefix("serial port: ").rstrip("\n")
         self.tcp_port = int(lines[1].removeprefix("tcp port: "))
+        self.report_port = lines[2].removeprefix("report port: ").rstrip("\n")
+        self.report_tcp_port = int(lines[3].removeprefix("report tcp port: "))
 
     @property
     def url(self):
