@@ -86,6 +86,9 @@ test-gates-soc: $(READY) ## The product's whole netlist, with its firmware, from
 formal: $(READY) ## All proofs, with mode, depth and widths
 	@$(PYTHON) -m tb.formal $(ARGS)
 
+mutate: $(READY) ## 200 mutants of each timing block: how many do its tests and proofs notice? build/mutate/report.json [ARGS="decoder --mutants 40"]
+	@$(PYTHON) -m tb.mutate $(ARGS)
+
 lint: $(READY) ## Generated pages are up to date; the pins of every board keep their rules
 	@$(PYTHON) -m soc.generate --check
 	@$(PYTHON) -m firmware.manual.commands --check
@@ -130,4 +133,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal lint gen pins firmware gateware gateware-seeds loader flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean

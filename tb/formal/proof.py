@@ -41,7 +41,7 @@ from amaranth.hdl._ast import AnyConst, AnySeq
 
 from tb import toolchain
 
-__all__ = ["AnyConst", "AnySeq", "Assert", "Assume", "Cover", "Proof", "one_clock", "run", "two_clocks"]
+__all__ = ["AnyConst", "AnySeq", "Assert", "Assume", "Cover", "Proof", "check", "one_clock", "run", "two_clocks"]
 
 
 class AnyDelayPlatform:
@@ -135,8 +135,8 @@ def _load(name, change):
     return copy
 
 
-def _check(name, mode, depth, text):
-    """Run sby; returns (its verdict, seconds, its log)."""
+def check(name, mode, depth, text):
+    """Run sby on RTLIL whose top is ``top``; returns (its verdict, seconds, its log)."""
     folder = toolchain.BUILD / "formal" / name
     with toolchain.exclusive(folder / "lock"):
         (folder / "top.il").write_text(text)
@@ -171,7 +171,7 @@ def run(proof, report=print):
         text = proof().rtlil(bug)
         if 'FLAVOR "cover"' not in text:
             raise ValueError(f"{proof.name()} has no cover")
-        verdict, seconds, log = _check(f"{proof.name()}-{number}", mode, depth, text)
+        verdict, seconds, log = check(f"{proof.name()}-{number}", mode, depth, text)
         report(f"    {mode:<5} depth {depth:<3} {seconds:6.1f} s  {what}: "
                f"{word if verdict == expected else f'NOT {word} (sby says {verdict})'}")
         if verdict != expected:

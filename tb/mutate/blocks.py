@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""The timing blocks, and what is there to notice that one of them is wrong."""
+
+from dataclasses import dataclass
+from typing import Callable
+
+from rtl.classifier import DecisionBatch, PulseClassifier
+from rtl.line import ScanLine
+from rtl.pwm import PwmPeripheral
+from rtl.quadrature import QuadratureDecoder
+from rtl.snapshot import SnapshotPeripheral
+from tb.formal import classifier, compare, divider, quadrature
+from tb.rtl import test_classifier
+
+__all__ = ["BLOCKS", "Block", "Suite"]
+
+
+@dataclass(frozen=True)
+class Suite:
+    """cocotb tests of ``tb/rtl/<file>.py`` whose names the regular expression ``tests`` finds, in an environment."""
+    file: str
+    tests: str = None
+    env: tuple = ()
+
+
+@dataclass(frozen=True)
+class Block:
+    """``part``: the module of ``make()`` that is mutated.  ``suites``: its tests, quick ones first.
+    ``proofs``: those whose harness has that module as ``dut``."""
+    name: str
+    make: Callable
+    suites: tuple
+    part: str = "dut"
+    proofs: tuple = ()
+
+
+LINE = Suite("test_scan_line"),
+PWM = Suite("test_pwm", env=(("PERIOD", "60"),)),
+
+BLOCKS = (
+    Block("decoder", QuadratureDecoder, (Suite("test_quadrature", "^(?!.*the_count_wraps)"),),
+          proofs=(quadrature.CountsEveryEdge,)),
+    Block("compare", ScanLine, LINE, part="dut.compare", proofs=(compare.FiresOncePerArming,)),
+    Block("divider", ScanLine, LINE, part="dut.divider", proofs=(divider.PixelsFollowTheRecurrence,)),
+    Block("pulse", ScanLine, LINE, part="dut.pulse"),
+    Block("router", ScanLine, LINE, part="dut.router"),
+    Block("timestamp", SnapshotPeripheral, (Suite("test_snapshot"),), part="dut.timestamp"),
+    Block("pwm", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.axis0"),
+    Block("servo tick", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.tick"),
+    Block("classifier", PulseClassifier,
+          tuple(Suite("test_classifier", "every_pulse|at_the", (("THRESHOLD", str(threshold)),))
+                for threshold in test_classifier.THRESHOLDS),
+          proofs=(classifier.EveryPulseIsJudgedOnce,)),
+    Block("batch", DecisionBatch, (Suite("test_classifier", "batches"),), proofs=(classifier.DecisionsKeepTheirOrder,)),
+)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Mutants of a block: its design with one cell wrong, all of them in one simulation; and what notices them.
+
+yosys chooses them (``mutate -list``): an input or output of a cell inverted, stuck at 0 or 1, or inverted while another bit
+is 0 or 1.  It mutates the cells of the source, before anything is optimised or mapped.  A number at the simulation's start
+(``+mutant=<n>``) chooses one; without it the design is as it should be.
+
+A proof knows a mutant by the same names: the block inside it is made of the same modules, whose cells are numbered alike.
+"""
+
+import re
+from pathlib import Path
+
+from tb import toolchain, verilated
+from tb.formal import proof as formal
+
+__all__ = ["build", "is_equivalent", "listed", "noticed_by_proof", "noticed_by_tests"]
+
+FIRST_NUMBER = 1_000_000
+"""From here on yosys numbers the cells that it makes itself, in the block alone as inside a proof."""
+
+
+def _write(directory, name, rtlil):
+    (directory / name).write_text(f"autoidx {FIRST_NUMBER}\n{rtlil}")
+
+
+def _modules(directory, name, part):
+    """Modules of an RTLIL file that are ``part`` or inside it, in their order."""
+    names = re.findall(r"^module \\(\S+)$", (directory / name).read_text(), re.MULTILINE)
+    chosen = [module for module in names if module == part or module.startswith(part + ".")]
+    if not chosen:
+        raise ValueError(f"no module is called {part}; there are {', '.join(names)}")
+    return chosen
+
+
+def _cells(directory, name, part, listing=None):
+    """yosys commands that read a file and make cells of ``part`` alone; ``listing`` is a file for their names."""
+    modules = _modules(directory, name, part)
+    commands = f"read_rtlil {name}; proc {' '.join(modules)}; opt_clean {' '.join(modules)}"
+    if listing:
+        commands += f"; select -write {listing} {' '.join(f'{module}/t:*' for module in modules)}"
+    return commands
+
+
+def build(rtlil, part, *, count, seed=1):
+    """Directory of a simulation of ``dut`` with ``count`` mutants of its module ``part``, made once."""
+    bits = count.bit_length()
+
+    def write_sources(directory):
+        _write(directory, "dut.il", rtlil)
+        toolchain.yosys(
+            f"{_cells(directory, 'dut.il', part, 'cells.txt')}; "
+            f"mutate -list {count} -seed {seed} -ctrl mutant {bits} 1 -o mutants.ys {part} {part}.*; "
+            "hierarchy -top dut; proc; script mutants.ys; opt_clean; memory_collect; write_verilog -noattr dut.v",
+            cwd=directory)
+        path = directory / "dut.v"
+        text, changed = re.subn(
+            r"^(module dut\(.*), mutant\);$(.*?)^  input \[\d+:0\] mutant;\n  wire (\[\d+:0\] mutant);$",
+            r'\1);\2  reg \3;' "\n" r'  initial if (!$value$plusargs("mutant=%d", mutant)) mutant = 0;',
+            path.read_text(), flags=re.MULTILINE | re.DOTALL)
+        if changed != 1:
+            raise RuntimeError(f"{path} does not know its mutants")
+        path.write_text(text)
+        return [path]
+    name = toolchain.content_key(rtlil, part, f"{count} {seed}", Path(__file__), Path(verilated.__file__))
+    return verilated.build(f"mutants-{name}", write_sources)
+
+
+def listed(directory):
+    """``{number: "-mode ... -module ... -cell ..."}`` of a simulation."""
+    lines = (directory / "mutants.ys").read_text().splitlines()
+    return {int(n): how for n, how in (re.match(r"mutate -ctrl mutant \d+ (\d+) (.*)", line).groups() for line in lines)}
+
+
+def noticed_by_tests(directory, number, suites):
+    """The first test that fails with this mutant, or None.  ``suites``: ``[(module, regular expression, environment)]``."""
+    for module, tests, env in suites:
+        failed = verilated.failures(directory, module, label=f"mutant-{number}", tests=tests,
+                                    env={"COCOTB_MAX_FAILURES": "1", **env}, plusargs=[f"+mutant={number}"])
+        if failed:
+            return failed[0]
+    return None
+
+
+def is_equivalent(directory, part, how):
+    """Whether yosys proves that this mutant is the same circuit: register by register, by induction."""
+    finish = "hierarchy -top dut; proc; flatten; opt_clean"
+    toolchain.yosys(
+        f"{_cells(directory, 'dut.il', part)}; design -save cells; {finish}; rename dut gold; design -stash gold; "
+        f"design -load cells; mutate {how}; {finish}; rename dut gate; design -copy-from gold gold; "
+        "equiv_make gold gate equiv; hierarchy -top equiv; opt_clean; equiv_simple; equiv_induct -seq 3; "
+        "tee -q -o equivalence.txt equiv_status", cwd=directory)
+    return "Equivalence successfully proven!" in (directory / "equivalence.txt").read_text()
+
+
+def noticed_by_proof(proof, directory, part, how):
+    """Whether the claim of a proof of the block ``part``, which is ``dut`` in its harness, no longer holds with this mutant.
+
+    Raises :exc:`RuntimeError` if the block's cells are not the same in both.
+    """
+    text = proof().rtlil()
+    name = f"mutant-{proof.name()}"
+    folder = toolchain.BUILD / "formal" / name
+    with toolchain.exclusive(folder / "mutate.lock"):
+        _write(folder, "whole.il", text)
+        toolchain.yosys(f"{_cells(folder, 'whole.il', 'top.dut', 'cells.txt')}; "
+                        f"mutate {how.replace(f'-module {part}', '-module top.dut')}; write_rtlil mutated.il", cwd=folder)
+        inside = [line.replace("top.dut", part, 1) for line in (folder / "cells.txt").read_text().splitlines()]
+        if sorted(inside) != sorted((directory / "cells.txt").read_text().splitlines()):
+            raise RuntimeError(f"{part} has other cells in the proof {proof.name()}")
+        verdict, _seconds, _log = formal.check(name, proof.mode, proof.depth, (folder / "mutated.il").read_text())
+    return verdict in ("FAIL", "UNKNOWN")
