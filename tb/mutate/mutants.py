@@ -25,9 +25,12 @@ def _write(directory, name, rtlil):
 
 
 def _modules(directory, name, part):
-    """Modules of an RTLIL file that are ``part`` or inside it, in their order."""
+    """Modules of an RTLIL file that are ``part`` or inside it, in their order.
+
+    A module whose name a signal has as well bears a number behind it.
+    """
     names = re.findall(r"^module \\(\S+)$", (directory / name).read_text(), re.MULTILINE)
-    chosen = [module for module in names if module == part or module.startswith(part + ".")]
+    chosen = [module for module in names if re.match(rf"{re.escape(part)}(\$\d+)?(\.|$)", module)]
     if not chosen:
         raise ValueError(f"no module is called {part}; there are {', '.join(names)}")
     return chosen
@@ -48,9 +51,10 @@ def build(rtlil, part, *, count, seed=1):
 
     def write_sources(directory):
         _write(directory, "dut.il", rtlil)
+        modules = " ".join(_modules(directory, "dut.il", part))
         toolchain.yosys(
             f"{_cells(directory, 'dut.il', part, 'cells.txt')}; "
-            f"mutate -list {count} -seed {seed} -ctrl mutant {bits} 1 -o mutants.ys {part} {part}.*; "
+            f"mutate -list {count} -seed {seed} -ctrl mutant {bits} 1 -o mutants.ys {modules}; "
             "hierarchy -top dut; proc; script mutants.ys; opt_clean; memory_collect; write_verilog -noattr dut.v",
             cwd=directory)
         path = directory / "dut.v"
@@ -99,13 +103,14 @@ def noticed_by_proof(proof, directory, part, how):
     Raises :exc:`RuntimeError` if the block's cells are not the same in both.
     """
     text = proof().rtlil()
+    block = _modules(directory, "dut.il", part)[0]
     name = f"mutant-{proof.name()}"
     folder = toolchain.BUILD / "formal" / name
     with toolchain.exclusive(folder / "mutate.lock"):
         _write(folder, "whole.il", text)
         toolchain.yosys(f"{_cells(folder, 'whole.il', 'top.dut', 'cells.txt')}; "
-                        f"mutate {how.replace(f'-module {part}', '-module top.dut')}; write_rtlil mutated.il", cwd=folder)
-        inside = [line.replace("top.dut", part, 1) for line in (folder / "cells.txt").read_text().splitlines()]
+                        f"mutate {how.replace(f'-module {block}', '-module top.dut')}; write_rtlil mutated.il", cwd=folder)
+        inside = [line.replace("top.dut", block, 1) for line in (folder / "cells.txt").read_text().splitlines()]
         if sorted(inside) != sorted((directory / "cells.txt").read_text().splitlines()):
             raise RuntimeError(f"{part} has other cells in the proof {proof.name()}")
         verdict, _seconds, _log = formal.check(name, proof.mode, proof.depth, (folder / "mutated.il").read_text())
