@@ -305,12 +305,28 @@ bool motion_busy(void)
     return false;
 }
 
+/* A plan is in the making, or made and not begun. */
+static bool is_planning(unsigned axis)
+{
+    motion_notice_prepared();
+    return motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis);
+}
+
+bool motion_stands(unsigned axis)
+{
+    struct axis_view view;
+
+    if (is_planning(axis))
+        return false;
+    axis_read(axis, &view);
+    return !view.planned && view.mode != LOOP_FREE && view.mode != LOOP_SPIN;
+}
+
 bool motion_in_position(unsigned axis)
 {
     struct axis_view view;
 
-    motion_notice_prepared();
-    if (motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis))
+    if (is_planning(axis))
         return false;
     axis_read(axis, &view);
     return (view.mode == LOOP_IDLE || view.mode == LOOP_HOLD) && !view.commanded;
@@ -330,8 +346,7 @@ int32_t motion_target_counts(unsigned axis)
 {
     struct axis_view view;
 
-    motion_notice_prepared();
-    if (motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis))
+    if (is_planning(axis))
         return motions[axis].end_counts;
     axis_read(axis, &view);
     return (int32_t)(view.end_q32 >> 32);

@@ -88,7 +88,7 @@ void motion_start(const struct motion_move *moves, unsigned count);
 
 /**
  * Plan moves ahead for a trigger: the tick that finds IN0 risen begins them, all or none, and the
- * axes then are the owner's. They must be at rest, free to take, ready, and their ways within the
+ * axes then are the owner's. They must stand (motion_stands), be free to take, ready, and their ways within the
  * soft limits; any other motion, claim or halt withdraws what is prepared.
  *
  * @return  False: not now, and nothing is prepared.
@@ -133,6 +133,9 @@ bool motion_axis_moves(unsigned axis);
 
 /** At rest and arrived: no motion pending, moving, settling or pausing. */
 bool motion_in_position(unsigned axis);
+
+/** Its set-point is at rest and stays there, though the axis may still be settling on it. */
+bool motion_stands(unsigned axis);
 
 /** Position as of the last servo tick. */
 int32_t motion_position_counts(unsigned axis);

@@ -139,7 +139,7 @@ static bool is_allowed(const struct motion_move *move)
 
 static bool is_possible(const struct motion_owner *owner, const struct motion_move *move)
 {
-    return motion_in_position(move->axis) && motion_ready(move->axis) &&
+    return motion_stands(move->axis) && motion_ready(move->axis) &&
            motion_may_take(move->axis, owner) && is_allowed(move);
 }
 

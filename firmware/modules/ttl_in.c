@@ -141,17 +141,17 @@ static void something_happens(const struct event *event)
     motion_doubt_prepared();
 }
 
-static bool all_rest(void)
+static bool all_stand(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if (!motion_in_position(axis) && motion_enabled(axis))
+        if (!motion_stands(axis) && motion_enabled(axis))
             return false;
     return true;
 }
 
 static bool must_look_ahead(void)
 {
-    return present->step != NULL && (stale || motion_generation() != seen_generation) && all_rest();
+    return present->step != NULL && (stale || motion_generation() != seen_generation) && all_stand();
 }
 
 /* --- Profile ----------------------------------------------------------------------------------- */
@@ -210,7 +210,7 @@ static void halted(const struct event *event)
     reporting = false;
 }
 
-/* The plan costs up to a millisecond an axis: it is made once the axes rest, and again only when the
+/* The plan costs up to a millisecond an axis: it is made once the axes stand, and again only when the
  * step has become another. */
 static void poll(void)
 {

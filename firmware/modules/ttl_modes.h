@@ -43,7 +43,7 @@ struct ttl_in_mode {
     void (*trigger)(void); /* a rising edge at IN0, or bare RM */
     /**
      * The move that the next trigger starts; changes nothing. False: it starts none. While the axes
-     * rest it is planned ahead, and the servo tick that sees the edge begins it.
+     * stand it is planned ahead, and the servo tick that sees the edge begins it.
      */
     bool (*step)(struct ttl_step *step);
     void (*stepped)(void); /* it was started, or would have been: on to the next */
