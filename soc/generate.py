@@ -21,6 +21,7 @@ from pathlib import Path
 
 from amaranth.hdl import Fragment
 
+from rtl.decisions import BATCHES
 from rtl.identity import MAGIC, MAP_VERSION
 from rtl.line import LINE_LATENCY
 from rtl.pwm import PERIOD_CLOCKS
@@ -164,7 +165,7 @@ def files():
     constants = {"REG_MAGIC": MAGIC, "REG_MAP_VERSION": MAP_VERSION, "CLOCK_HZ": top.CLOCK_HZ,
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ, "DECODER_LATENCY": DECODER_LATENCY,
                  "LINE_LATENCY": LINE_LATENCY, "ROUTER_LATENCY": ROUTER_LATENCY,
-                 "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES,
+                 "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES, "CLASSIFIER_BATCHES": BATCHES,
                  "TRIGGER_RECORDS": RECORDS}
     return {
         "build/generated/regs.h": render_header(blocks, constants, interrupts),

@@ -11,6 +11,7 @@ from amaranth.lib.wiring import In, Out, connect
 from rtl.adc import AdcPeripheral
 from rtl.buttons import BUTTONS, ButtonsPeripheral
 from rtl.compare import ComparePeripheral
+from rtl.decisions import ClassifierPeripheral
 from rtl.divider import DividerPeripheral
 from rtl.identity import IdentityPeripheral
 from rtl.inputs import DIP_SWITCHES, InputsPeripheral
@@ -87,6 +88,7 @@ PERIPHERALS = (
                registers=RouterPeripheral),
     *(Peripheral(f"quadrature{n}", 0xffff_fa00 + 0x10 * n, QuadraturePeripheral) for n in range(AXES)),
     Peripheral("adc", 0xffff_fb00, AdcPeripheral),
+    Peripheral("classifier", 0xffff_fb40, ClassifierPeripheral),
     Peripheral("trigger", 0xffff_fb80, TriggerPeripheral, interrupt=("trigger", 6)),
 )
 
@@ -214,6 +216,7 @@ class Abbe(wiring.Component):
             snapshot.tick.eq(pwm.tick_stb), pwm.latched_stb.eq(snapshot.tick_done),
             self.out0.eq(line.out0), self.sync_out.eq(line.sync_out), self.encoder_out.eq(line.encoder_out),
             trigger.in0.eq(self.in0), trigger.out0.eq(line.out0), trigger.time.eq(snapshot.time),
+            parts["classifier"].pin.eq(self.in0),
         ]
         for n in range(AXES):
             encoder = parts[f"quadrature{n}"]

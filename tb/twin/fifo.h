@@ -52,6 +52,13 @@ public:
         return true;
     }
 
+    /** Empty from this edge on, whatever else happened at it. */
+    void clear()
+    {
+        in_ = out_ = level_ = 0;
+        ready_ = false;
+    }
+
 private:
     static constexpr unsigned INNER = DEPTH - 1;
 

@@ -7,7 +7,7 @@ namespace twin {
 
 Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter)
     : identity_(build.build_id), bus_fault_(outputs), serial_(outputs, MAIN_PORT), report_(outputs, REPORT_PORT), timer_(outputs, build.timer),
-      inputs_(timer_, pins), buttons_(timer_, pins, build.millisecond), knobs_(pins),
+      inputs_(timer_, pins), buttons_(timer_, pins, build.millisecond), knobs_(pins), classifier_(pins),
       pwm_(outputs, snapshot_, adc_, pins), adc_(outputs, pins, std::move(converter)), snapshot_(pwm_, quadrature_, build.time),
       trigger_(outputs, quadrature_, pins, build.time), line_(outputs, quadrature_, trigger_),
       quadrature_{{line_, 0, pins}, {line_, 1, pins}, {line_, 2, pins}, {line_, 3, pins}}, pins_(pins)
@@ -22,6 +22,7 @@ Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converte
     add(buttons_, REG_BUTTONS_PRESS0, REG_BUTTONS_TIME3);
     add(knobs_, REG_KNOB_POSITION0, REG_KNOB_POSITION2);
     add(knobs_, REG_KNOB_FILTER, REG_KNOB_ERRORS);
+    add(classifier_, REG_CLASSIFIER_THRESHOLD, REG_CLASSIFIER_CONTROL);
     add(adc_, REG_ADC_CHANNEL0, REG_ADC_EVENTS);
     add(pwm_, REG_PWM_DUTY0, REG_PWM_DUTY_DELAY);
     add(snapshot_, REG_SNAPSHOT_CONTROL, REG_SNAPSHOT_SAMPLE_TIME_HIGH);

@@ -16,6 +16,7 @@
 #include "block.h"
 #include "bus_fault.h"
 #include "buttons.h"
+#include "classifier.h"
 #include "identity.h"
 #include "inputs.h"
 #include "knob.h"
@@ -84,6 +85,7 @@ private:
     Inputs inputs_;
     Buttons buttons_;
     Knobs knobs_;
+    Classifier classifier_;
     Pwm pwm_;
     Adc adc_;
     Snapshot snapshot_;

@@ -36,6 +36,8 @@ void PinStimulus::happen(Time edge)
             /* The emergency stop is released most of the time, so that drives are on; contacts bounce, then rest. */
             const bool rests = (pin == ESTOP && !(levels_ >> pin & 1)) || (pin >= BUTTON && !random_.one_in(3));
             time = edge + (rests ? random_.from(1, 60000) : random_.from(1, random_.one_in(4) ? 12 : 1500));
+            if (pin == IN0)
+                time = edge + pulse(time - edge);
         }
     while (!miso_.empty() && miso_.front().first == edge) {
         set(ADC_MISO, miso_.front().second);
@@ -49,6 +51,17 @@ void PinStimulus::happen(Time edge)
         if (serial_.empty())
             serial_next_ = edge + Time(divisor) * SYNC * (random_.one_in(3) ? 1 : random_.from(1, 4));
     }
+}
+
+/** Now and then IN0 has a burst of pulses, the shortest that there are. */
+Time PinStimulus::pulse(Time otherwise)
+{
+    if (burst_ == 0 && random_.one_in(10))
+        burst_ = unsigned(random_.from(1, 60));
+    if (burst_ == 0)
+        return otherwise;
+    burst_--;
+    return random_.one_in(8) ? random_.from(1, 4) : 1;
 }
 
 /** An encoder edge; now and then both channels at once, a spike, or another speed or direction. */
@@ -192,6 +205,12 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
     case REG_DIVIDER_INTERVAL_MIN: return random_.one_in(2) ? ~0u : uint32_t(random_.from(0, 20));
     case REG_COMPARE_REFERENCE: return uint32_t(now.count[random_.from(0, 3)] + random_.from(-20, 20));
     case REG_ADC_CONTROL: return !random_.one_in(4);
+    case REG_CLASSIFIER_THRESHOLD: return uint32_t(random_.from(0, random_.one_in(2) ? 4 : 60));
+    case REG_CLASSIFIER_CONFIG:
+        return (random_.one_in(8) ? 0 : REG_CLASSIFIER_CONFIG_ENABLE_MASK) |
+               (random_.one_in(4) ? REG_CLASSIFIER_CONFIG_AT_THRESHOLD_MASK : 0) |
+               uint32_t(random_.from(0, 2)) << REG_CLASSIFIER_CONFIG_FILTER_SHIFT;
+    case REG_CLASSIFIER_CONTROL: return random_.one_in(2000);
     case REG_TRIGGER_CONFIG: /* enabled, and short pulses */
         return (random_.word() & REG_TRIGGER_CONFIG_OUTPUT_MASK) | (random_.word() & REG_TRIGGER_CONFIG_FALLING_MASK) |
                REG_TRIGGER_CONFIG_ENABLE_MASK | uint32_t(random_.from(0, 60)) << REG_TRIGGER_CONFIG_MINIMUM_SHIFT;

@@ -70,6 +70,7 @@ private:
 
     void step(unsigned axis, Time edge);
     void frame(Time edge);
+    Time pulse(Time otherwise);
     void set(unsigned pin, bool level) { levels_ = level ? levels_ | bit(pin) : levels_ & ~bit(pin); }
 
     Random &random_;
@@ -78,6 +79,7 @@ private:
     std::map<unsigned, Time> slow_; /* pins that toggle now and then, and when next */
     std::deque<std::pair<Time, bool>> serial_; /* levels to come */
     Time serial_next_ = 300;
+    unsigned burst_ = 0; /* edges of IN0 */
     plant::Adc converter_;
     std::deque<std::pair<Time, bool>> miso_;
     bool connected_ = true; /* the converter */
