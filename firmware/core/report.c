@@ -20,6 +20,17 @@ void report_line(const char *text, size_t length)
         ring_put(&waiting, '\n');
 }
 
+size_t report_free(void)
+{
+    return ring_free(&waiting);
+}
+
+void report_bytes(const uint8_t *bytes, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        ring_put(&waiting, bytes[i]);
+}
+
 void report_clear(void)
 {
     ring_clear(&waiting);

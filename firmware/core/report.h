@@ -18,6 +18,10 @@ enum { REPORT_BYTES = 256 };
 /** Send a line; its end, as replies have it, is added. */
 void report_line(const char *text, size_t length);
 
+/** Room, in bytes; and send so many bytes as they are. */
+size_t report_free(void);
+void report_bytes(const uint8_t *bytes, size_t length);
+
 /** Drop what waits: start-up and RESET. */
 void report_clear(void);
 

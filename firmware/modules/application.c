@@ -17,9 +17,11 @@
 #include "modules/inputs.h"
 #include "modules/modules.h"
 #include "modules/save_positions.h"
+#include "modules/ttl_report.h"
 
-static const uint32_t LINES =
-    INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER | INTERRUPTS_BUS;
+static const uint32_t RECORD_LINES = INTERRUPTS_REPORT | INTERRUPTS_TRIGGER;
+static const uint32_t LINES = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER |
+                              INTERRUPTS_BUS | RECORD_LINES;
 
 /* Ticks between two turns of the main loop that nothing else asks for: a millisecond. */
 #define TICKS_PER_TURN (1000u / AXIS_TICK_US)
@@ -126,7 +128,9 @@ void application_interrupt(void)
             turn_due = true;
         }
     }
-    if ((lines & ~(uint32_t)INTERRUPTS_TICK) == 0)
+    if ((lines & RECORD_LINES) != 0 && ttl_report_interrupt())
+        turn_due = true;
+    if ((lines & ~(INTERRUPTS_TICK | RECORD_LINES)) == 0)
         return;
     turn_due = true;
     if ((lines & INTERRUPTS_SERIAL) != 0)

@@ -29,6 +29,7 @@
 #include "modules/status.h"
 #include "modules/ttl_in.h"
 #include "modules/ttl_out.h"
+#include "modules/ttl_report.h"
 #include "modules/tuner.h"
 #include "modules/tuning.h"
 #include "modules/vector.h"
@@ -53,6 +54,7 @@ const struct module *const firmware_modules[] = {
     &status_module,
     &ttl_in_module,
     &ttl_out_module,
+    &ttl_report_module,
     &ring_buffer_module,
     &z_stack_module,
     &joystick_module,

@@ -8,6 +8,7 @@
 #include "modules/scan.h"
 #include "modules/ttl_in.h"
 #include "modules/ttl_out.h"
+#include "modules/ttl_report.h"
 #include "modules/z_stack.h"
 
 /* The profiles that have a mode. */
@@ -43,6 +44,7 @@ const struct ttl_in_mode ttl_in_modes[] = {
     {.number = 10, .profiles = ORDINARY, .trigger = ttl_out_toggle},
     {.number = 12, .profiles = ORDINARY, .trigger = ring_buffer_trigger,
      .step = ring_buffer_step_relative, .stepped = ring_buffer_stepped_relative},
+    {.number = TTL_IN_ANY, .profiles = REPORT, .begin = ttl_report_begin, .end = ttl_report_end},
     {0},
 };
 

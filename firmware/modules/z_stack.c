@@ -161,6 +161,11 @@ static void set_state(unsigned axis, double value)
     leave();
 }
 
+unsigned z_stack_slice(void)
+{
+    return (unsigned)place.slice;
+}
+
 static double get_slice(unsigned axis)
 {
     (void)axis;

@@ -7,6 +7,9 @@
 
 extern const struct module z_stack_module;
 
+/** Number of the present slice, from 0: ZS T?. */
+unsigned z_stack_slice(void);
+
 /* For the table in ttl_modes.c. A pulse: the first goes to the first slice, each further one to the
  * next. */
 struct ttl_step;

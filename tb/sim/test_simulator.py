@@ -180,6 +180,7 @@ def test_a_byte_without_a_stop_bit_is_counted_and_not_received(make):
 def test_the_report_line_is_heard_beside_the_other_at_a_rate_of_its_own(make):
     """The stand-in repeats on it what it is sent."""
     sim = make()
+    sim.run(US)                             # out of reset
     sim.record("serial_rx", "report_tx")
     sim.serial_write(b"Abbe")
     sim.run(MS)

@@ -66,23 +66,19 @@ void Machine::send(uint8_t byte)
     plan();
 }
 
-static bool take(SerialLine &line, uint8_t &byte)
+bool Machine::receive(uint8_t &byte)
 {
-    if (line.received.empty())
+    if (line_.received.empty())
         return false;
-    byte = line.received.front().value;
-    line.received.pop_front();
+    byte = line_.received.front().value;
+    line_.received.pop_front();
     return true;
 }
 
-bool Machine::receive(uint8_t &byte)
+void Machine::at(Time edge, std::function<void()> hands)
 {
-    return take(line_, byte);
-}
-
-bool Machine::receive_report(uint8_t &byte)
-{
-    return take(report_, byte);
+    hands_.emplace_back(edge, std::move(hands));
+    plan();
 }
 
 /** The controller's pins act on the board and the line. */
@@ -118,7 +114,10 @@ uint64_t Machine::pins() const
 void Machine::happen()
 {
     const Time edge = outside_;
-    if (board_next_ps(board_) <= std::min(line_.next_ps(), report_.next_ps()))
+    if (!hands_.empty() && hands_.front().first == edge && next_ps() / FAST_PS >= edge) {
+        hands_.front().second();
+        hands_.pop_front();
+    } else if (board_next_ps(board_) <= std::min(line_.next_ps(), report_.next_ps()))
         board_next(board_, nullptr);
     else if (line_.next_ps() <= report_.next_ps())
         line_.happen();
@@ -128,10 +127,16 @@ void Machine::happen()
     plan();
 }
 
+int64_t Machine::next_ps() const
+{
+    return std::min({board_next_ps(board_), line_.next_ps(), report_.next_ps()});
+}
+
 void Machine::plan()
 {
-    const int64_t next_ps = std::min({board_next_ps(board_), line_.next_ps(), report_.next_ps()});
-    outside_ = next_ps == INT64_MAX ? NEVER : next_ps / FAST_PS + 1;
+    outside_ = next_ps() == INT64_MAX ? NEVER : next_ps() / FAST_PS + 1;
+    if (!hands_.empty())
+        outside_ = std::min(outside_, hands_.front().first);
 }
 
 } // namespace twin

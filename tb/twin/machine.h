@@ -7,6 +7,10 @@
 #ifndef TWIN_MACHINE_H
 #define TWIN_MACHINE_H
 
+#include <deque>
+#include <functional>
+#include <utility>
+
 #include "../board/board.h"
 #include "../board/serial_line.h"
 #include "gateware.h"
@@ -31,6 +35,9 @@ public:
     /** Let time pass up to an edge, or, with `interrupts` (a mask of lines), until one of these is high. */
     void advance(Time edge, uint32_t interrupts = 0);
 
+    /** Hands on the board: before `edge`, the first to sample what they do. To be said in order of time. */
+    void at(Time edge, std::function<void()> hands);
+
     /** Levels of the interrupt lines. */
     uint32_t interrupts() const { return uint32_t(levels >> INTERRUPT); }
 
@@ -39,12 +46,13 @@ public:
     size_t unsent() const { return line_.unsent(); }
     bool receive(uint8_t &byte);
 
-    /** A byte from the report port, whose far end has its bit rate too. */
-    bool receive_report(uint8_t &byte);
+    /** Bytes from the report port, whose far end has its bit rate too, and when each began. */
+    std::deque<SerialLine::Byte> &reported() { return report_.received; }
 
 private:
     void changed(Time edge, uint64_t pins) override;
     uint64_t pins() const;
+    int64_t next_ps() const;
     void happen();
     void plan();
 
@@ -52,6 +60,7 @@ private:
     SerialLine line_, report_;
     Gateware gateware_;
     Time now_ = 0;
+    std::deque<std::pair<Time, std::function<void()>>> hands_;
     Time outside_ = NEVER; /* the edge that is the first to see what happens next on the board or the line */
 };
 

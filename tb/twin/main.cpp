@@ -119,8 +119,8 @@ private:
         while (machine.receive(bytes[0]))
             ports_.write(bytes[0]);
         ports_.flush();
-        while (machine.receive_report(bytes[0]))
-            report_ports_.write(bytes[0]);
+        for (; !machine.reported().empty(); machine.reported().pop_front())
+            report_ports_.write(machine.reported().front().value);
         report_ports_.wait(0);
         (void)report_ports_.read(bytes, sizeof bytes); /* nobody listens */
         report_ports_.flush();
