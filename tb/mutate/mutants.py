@@ -59,7 +59,7 @@ def build(rtlil, part, *, count, seed=1):
             cwd=directory)
         path = directory / "dut.v"
         text, changed = re.subn(
-            r"^(module dut\([^\n]*), mutant\);$(.*?)^  input \[\d+:0\] mutant;\n  wire (\[\d+:0\] mutant);$",
+            r"^(module dut\([^)]*), mutant\);$(.*?)^  input \[\d+:0\] mutant;\n  wire (\[\d+:0\] mutant);$",
             r'\1);\2  reg \3;' "\n" r'  initial if (!$value$plusargs("mutant=%d", mutant)) mutant = 0;',
             path.read_text(), flags=re.MULTILINE | re.DOTALL)
         if changed != 1:
