@@ -258,6 +258,16 @@ static void print_queries(const struct rows_entry *entry, const struct request *
     reply_close(reply);
 }
 
+static bool may_change(const struct command *command, const struct request *request)
+{
+    if ((command->flags & COMMAND_ASKS) != 0)
+        return false;
+    for (size_t i = 0; i < request->count; i++)
+        if (request->arguments[i].kind != ARGUMENT_QUERY)
+            return true;
+    return request->count == 0;
+}
+
 enum status command_execute(const char *line, size_t length, struct request *request,
                             struct reply *reply)
 {
@@ -273,7 +283,8 @@ enum status command_execute(const char *line, size_t length, struct request *req
     status = check_line(entry, request, &runs);
     if (status != STATUS_OK)
         return status;
-    events_publish(EVENT_COMMAND, 0, 0);
+    if (may_change(command, request))
+        events_publish(EVENT_COMMAND, 0, 0);
     for (size_t i = 0; i < request->count; i++) {
         struct target target = find_target(entry, request->arguments[i].letter);
 

@@ -26,6 +26,7 @@
 enum command_flags {
     COMMAND_NEEDS_ARGUMENT = 1, /* `run` without any argument is :N-3 */
     COMMAND_TAKES_TEXT = 2,     /* broken syntax is no fault; `run` gets what could be read */
+    COMMAND_ASKS = 4,           /* changes nothing, whatever its arguments */
 };
 
 /** All letters, for `letters` of a command that judges them itself. */

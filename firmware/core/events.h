@@ -29,7 +29,7 @@ enum event_name {
     EVENT_FAULT,        /* something was logged; argument: code */
     EVENT_ORIGIN_MOVED, /* HERE or ZERO shifted coordinates; argument: axis */
     EVENT_REPORT_SENT,  /* a reply has left for the port; argument: 0 */
-    EVENT_COMMAND,      /* a line or a frame is about to be carried out; argument and time: 0 */
+    EVENT_COMMAND,      /* a line or frame that may change something is carried out next; argument: 0 */
     EVENT_RESET,        /* a reset was asked for (255 82); argument: 0 */
     EVENT_COUNT,
 };

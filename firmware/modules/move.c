@@ -219,6 +219,7 @@ static const struct command commands[] = {
     },
     {
         .name = "WHERE", .shortcut = "W", .summary = "Positions, in user units.",
+        .flags = COMMAND_ASKS,
         .form = FORM_V, .run = where, .accepts = ARGUMENT_BARE | ARGUMENT_QUERY,
     },
     {

@@ -184,13 +184,13 @@ static const struct parameter parameters[] = {
 };
 
 static const struct command commands[] = {
-    {.name = "STATUS", .shortcut = "/", .summary = "B while a commanded motion runs, else N.",
+    {.name = "STATUS", .shortcut = "/", .flags = COMMAND_ASKS, .summary = "B while a commanded motion runs, else N.",
      .run = status, .accepts = ARGUMENT_BARE, .letters = LETTERS_ALL},
     {.name = "RDSTAT", .shortcut = "RS", .summary = "State of axes: byte, ? busy, - and + letters.",
-     .flags = COMMAND_NEEDS_ARGUMENT, .run = rdstat,
+     .flags = COMMAND_NEEDS_ARGUMENT | COMMAND_ASKS, .run = rdstat,
      .accepts = ARGUMENT_BARE | ARGUMENT_QUERY | ARGUMENT_PLUS | ARGUMENT_MINUS},
     {.name = "RDSBYTE", .shortcut = "RB", .summary = "State of axes as raw bytes.",
-     .flags = COMMAND_NEEDS_ARGUMENT, .run = rdsbyte, .accepts = ARGUMENT_BARE},
+     .flags = COMMAND_NEEDS_ARGUMENT | COMMAND_ASKS, .run = rdsbyte, .accepts = ARGUMENT_BARE},
     {.name = "MOTCTRL", .shortcut = "MC", .summary = "Drive of axes on and off.",
      .form = FORM_VALUES},
     {.name = "TICK", .summary = "Processor clocks of the servo interrupt: last and longest.",

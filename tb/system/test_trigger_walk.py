@@ -82,7 +82,5 @@ def test_so_it_does_while_a_host_asks(powered):
         took_us.append(first_drive_us(powered, "z", powered.time_ps + phase.randrange(1 * MS, 8 * MS)))
         powered.run(40 * MS)
         assert powered.serial_read().count(b"\r\n") == 10
-    late = [us for us in took_us if us > BOUND_US]
     print(f"TTL X=2 under W X Y Z F without a gap: edge to first duty {min(took_us):.1f} to {max(took_us):.1f} us")
-    # A line puts the plan in doubt until the main loop has looked at it again; then it takes a plan.
-    assert max(took_us) < 3000 and len(late) <= len(took_us)
+    assert 0 < min(took_us) and max(took_us) <= BOUND_US
