@@ -12,6 +12,7 @@ import struct
 import numpy
 import pytest
 
+from tb import toolchain
 from tb.models.encoder import CIRCLE
 from tb.sim.simulator import FAST_PERIOD_PS, MS, S, SIGNALS, SYNC_PERIOD_PS, US
 
@@ -209,3 +210,15 @@ def test_pulses_at_out0_send_packets(powered):
     assert len(packet) == 24 and words[:3] == (0, 0, 0) and total == 0xffff
     counts = struct.unpack(">4i", packet[6:22])
     assert counts[0] == pytest.approx(0.05 * 45396, abs=3) and all(abs(count) < 10 for count in counts[1:])
+
+
+def test_the_example_of_the_manual(powered):
+    """docs/modules/ttl_report.md: its lines and its bytes."""
+    page = (toolchain.ROOT / "docs" / "modules" / "ttl_report.md").read_text().partition("## Example")[2]
+    *lines, record = [line.strip() for line in page.splitlines() if line.startswith("    ")]
+    for line in lines:
+        assert powered.command(line) == ":A \r\n"
+    powered.schedule_input(powered.time_ps + 1 * US, "in0", 1)
+    powered.schedule_input(powered.time_ps + 2 * US, "in0", 0)
+    powered.run(10 * MS)
+    assert powered.report_read() == bytes.fromhex(record)
