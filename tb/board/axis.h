@@ -58,7 +58,7 @@ public:
     bool index(int64_t count) const;
 
     /** Nothing moves and no torque is left: without drive, every step to come is like this one. */
-    bool at_rest() const { return speed_ == 0.0 && torque_ == 0.0; }
+    bool at_rest() const { return speed_ == 0.0 && torque_ == 0.0 && start_counts_ == end_counts_; }
 
     bool at_lower_limit() const { return end_counts_ <= lower_counts_; }
     bool at_upper_limit() const { return end_counts_ >= upper_counts_; }

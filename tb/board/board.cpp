@@ -44,6 +44,9 @@ struct AxisOnBoard {
     int64_t count;
     int8_t stuck[3] = {-1, -1, -1}; /* by board_wire: a level, or -1 */
     bool cut = false;
+
+    /** Nothing moves, and nothing has driven it since the plant step began. */
+    bool idle() const { return axis.at_rest() && drive.level == 0.0 && drive.sum_ps == 0.0; }
 };
 
 } // namespace
@@ -145,6 +148,8 @@ struct board {
         next_edge = 0;
         for (unsigned n = 0; n < BOARD_AXES; n++) {
             AxisOnBoard &on = axes[n];
+            if (on.idle())
+                continue; /* this step would be like the last */
             drive(step_end_ps, n, on.drive.level);
             const double mean = on.cut ? 0.0 : on.drive.sum_ps / double(step_ps);
             on.drive.sum_ps = 0.0;
@@ -152,8 +157,9 @@ struct board {
             on.axis.step(mean);
             find_edges(n);
         }
-        std::stable_sort(edges.begin(), edges.end(),
-                         [](const board_edge &a, const board_edge &b) { return a.time_ps < b.time_ps; });
+        if (edges.size() > 1)
+            std::stable_sort(edges.begin(), edges.end(),
+                             [](const board_edge &a, const board_edge &b) { return a.time_ps < b.time_ps; });
         step_end_ps += step_ps;
         resting = std::all_of(axes.begin(), axes.end(), [](const AxisOnBoard &on) {
             return on.axis.at_rest() && on.drive.level == 0.0;

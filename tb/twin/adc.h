@@ -19,6 +19,7 @@ public:
     Adc(Outputs &outputs, uint64_t pins, Converter converter)
         : outputs_(outputs), converter_(std::move(converter)), miso_(pins >> ADC_MISO & 1)
     {
+        listens = bit(ADC_MISO);
     }
 
     /** A servo tick is taken by `edge`. */
@@ -43,13 +44,11 @@ public:
             events_.clear(edge, value);
     }
 
-    void input(Time edge, uint64_t changed, uint64_t pins) override
+    void input(Time edge, uint64_t, uint64_t pins) override
     {
-        if (changed & bit(ADC_MISO))
-            miso_.set(sync_from(edge) + SYNC, pins >> ADC_MISO & 1);
+        miso_.set(sync_from(edge) + SYNC, pins >> ADC_MISO & 1);
     }
 
-    Time next() const override { return agenda_.next(); }
 
     void run(Time edge) override
     {
@@ -175,7 +174,7 @@ private:
 
     Outputs &outputs_;
     const Converter converter_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
     Past<bool> miso_;
     EventBits events_;
     bool enable_ = false, busy_ = false, configured_ = false, complete_ = false, valid_ = false, idle_high_ = false;

@@ -12,6 +12,9 @@ namespace twin {
 
 template <class Kind> class Agenda {
 public:
+    /** `due`: kept at the time of the next event. */
+    explicit Agenda(Time &due) : due_(due) { due_ = NEVER; }
+
     struct Event {
         Time at;
         Kind kind;
@@ -28,6 +31,7 @@ public:
             --place;
         }
         events_.insert(place, {at, kind, value});
+        due_ = events_.back().at;
     }
 
     Time next() const { return events_.empty() ? NEVER : events_.back().at; }
@@ -36,10 +40,12 @@ public:
     {
         const Event event = events_.back();
         events_.pop_back();
+        due_ = next();
         return event;
     }
 
 private:
+    Time &due_;
     std::vector<Event> events_; /* the next one last; seldom more than a handful */
 };
 

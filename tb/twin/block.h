@@ -118,6 +118,9 @@ class Block {
 public:
     virtual ~Block() = default;
 
+    /** Input pins that input() is told of. */
+    uint64_t listens = 0;
+
     /** The value of a register as `edge`, of `sync`, sees it; and what reading it does. */
     virtual uint32_t read(uint32_t address, Time edge) = 0;
 
@@ -127,8 +130,9 @@ public:
     /** Input pins have these levels from before `edge` on, that is, it is the first to sample them. */
     virtual void input(Time, uint64_t /* changed */, uint64_t /* levels */) {}
 
-    /** When something happens next; then run() does all that happens at that edge. */
-    virtual Time next() const { return NEVER; }
+    /** When something happens next: the block keeps it so, whoever made it change; then run() does all that happens
+     * at that edge. */
+    Time due = NEVER;
     virtual void run(Time) {}
 };
 

@@ -17,6 +17,7 @@ public:
     Buttons(const Timer &timer, uint64_t pins, Time millisecond)
         : timer_(timer), millisecond_(millisecond), levels_(gather(pins))
     {
+        listens = bits(BUTTON, BUTTONS) | bits(JOYSTICK_BUTTON, 1);
     }
 
     uint32_t read(uint32_t address, Time edge) override
@@ -48,16 +49,13 @@ public:
         }
     }
 
-    void input(Time edge, uint64_t changed, uint64_t pins) override
+    void input(Time edge, uint64_t, uint64_t pins) override
     {
-        if (!(changed & (bits(BUTTON, BUTTONS) | bits(JOYSTICK_BUTTON, 1))))
-            return;
         levels_.set(sync_from(edge) + SYNC, gather(pins));
         seen_ = sync_from(edge) + 2 * SYNC;
         looks_ = std::min(looks_, seen_);
+        plan();
     }
-
-    Time next() const override { return std::min({looks_, strobe_, released_}); }
 
     void run(Time edge) override
     {
@@ -72,6 +70,7 @@ public:
         for (const Button &button : buttons_)
             waits |= button.debounce.output() || !button.debounce.settled();
         strobe_ = waits ? strobe_from(edge + 1, millisecond_) : NEVER;
+        plan();
     }
 
 private:
@@ -84,6 +83,8 @@ private:
         bool released = false; /* a clock ago */
         uint32_t press = 0, time = 0;
     };
+
+    void plan() { due = std::min({looks_, strobe_, released_}); }
 
     static uint32_t gather(uint64_t pins)
     {

@@ -18,7 +18,10 @@ unsigned length(uint32_t batch)
 
 } // namespace
 
-Classifier::Classifier(uint64_t pins) : pin_(pins >> IN0 & 1), level_(pin_) {}
+Classifier::Classifier(uint64_t pins) : pin_(pins >> IN0 & 1), level_(pin_)
+{
+    listens = bit(IN0);
+}
 
 uint32_t Classifier::read(uint32_t address, Time edge)
 {
@@ -27,6 +30,7 @@ uint32_t Classifier::read(uint32_t address, Time edge)
     case REG_CLASSIFIER_CONFIG: return written_.config;
     case REG_CLASSIFIER_DECISIONS:
         agenda_.add(edge, Kind::POP);
+        plan();
         return fifo_.ready() ? fifo_.output() : 1;
     case REG_CLASSIFIER_STATUS: return fifo_.level();
     case REG_CLASSIFIER_LOST: /* a clock behind the sum */
@@ -52,12 +56,13 @@ void Classifier::write(uint32_t address, uint32_t value, Time edge)
     default: return;
     }
     agenda_.add(edge + SYNC, Kind::SEND, 1);
+    plan();
 }
 
-void Classifier::input(Time edge, uint64_t changed, uint64_t pins)
+void Classifier::input(Time edge, uint64_t, uint64_t pins)
 {
-    if (changed & bit(IN0))
-        agenda_.add(edge + SYNCHRONISER, Kind::PIN, pins >> IN0 & 1);
+    agenda_.add(edge + SYNCHRONISER, Kind::PIN, pins >> IN0 & 1);
+    plan();
 }
 
 void Classifier::run(Time edge)
@@ -103,6 +108,7 @@ void Classifier::run(Time edge)
         judge(edge);
     if (gathers)
         gather(edge, decision);
+    plan();
 }
 
 /** Settings leave for `fast`: when asked, or when those before them have arrived. */

@@ -19,7 +19,6 @@ public:
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void input(Time edge, uint64_t changed, uint64_t pins) override;
-    Time next() const override { return std::min(agenda_.next(), timing_ ? deadline_ : NEVER); }
     void run(Time edge) override;
 
 private:
@@ -42,7 +41,10 @@ private:
     void gather(Time edge, uint32_t decision);
     void put(Time edge, uint32_t batch, uint32_t lost);
 
-    Agenda<Kind> agenda_;
+    void plan() { due = std::min(planned_, timing_ ? deadline_ : NEVER); }
+
+    Time planned_ = NEVER; /* what the agenda has next */
+    Agenda<Kind> agenda_{planned_};
 
     /* Settings, as written, on their way, and at work. */
     Settings written_, handed_;

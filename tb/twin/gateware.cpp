@@ -40,8 +40,6 @@ Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converte
 /** A block has the registers `first` to `last`. */
 void Gateware::add(Block &block, uint32_t first, uint32_t last)
 {
-    if (std::find(blocks_.begin(), blocks_.end(), &block) == blocks_.end())
-        blocks_.push_back(&block);
     for (uint32_t address = first; address <= last && address >= first; address += 4)
         by_word_[(address - FIRST) / 4] = &block;
 }
@@ -54,36 +52,42 @@ bool Gateware::has(uint32_t address) const
 uint32_t Gateware::read(uint32_t address, Time edge)
 {
     const uint32_t value = by_word_[(address - FIRST) / 4]->read(address, edge);
-    plan();
+    next_ = std::min(next_, by_word_[(address - FIRST) / 4]->due);
     return value;
 }
 
 void Gateware::write(uint32_t address, uint32_t value, Time edge)
 {
     write_ = {edge + SYNC, by_word_[(address - FIRST) / 4], address, value};
-    plan();
+    next_ = std::min(next_, write_.at);
 }
 
 void Gateware::refuse(uint32_t address, Time edge)
 {
     write_ = {edge + SYNC, nullptr, address, 0};
-    plan();
+    next_ = std::min(next_, write_.at);
 }
 
 void Gateware::input(Time edge, uint64_t pins)
 {
     const uint64_t changed = pins ^ pins_;
+    if (!changed)
+        return;
     pins_ = pins;
-    for (Block *block : blocks_)
-        block->input(edge, changed, pins);
-    plan();
+    each([&](auto &block) {
+        if (block.listens & changed) {
+            block.input(edge, changed, pins);
+            next_ = std::min(next_, block.due);
+        }
+    });
 }
 
 void Gateware::run(Time edge)
 {
-    for (Block *block : blocks_)
-        if (block->next() == edge)
-            block->run(edge);
+    each([&](auto &block) {
+        if (block.due == edge)
+            block.run(edge);
+    });
     if (write_.at == edge) {
         write_.at = NEVER;
         if (write_.block)
@@ -97,8 +101,7 @@ void Gateware::run(Time edge)
 void Gateware::plan()
 {
     next_ = write_.at;
-    for (const Block *block : blocks_)
-        next_ = std::min(next_, block->next());
+    each([&](const auto &block) { next_ = std::min(next_, block.due); });
 }
 
 } // namespace twin

@@ -10,7 +10,6 @@
 #ifndef TWIN_GATEWARE_H
 #define TWIN_GATEWARE_H
 
-#include <vector>
 
 #include "adc.h"
 #include "block.h"
@@ -74,10 +73,21 @@ public:
     uint32_t report_divisor() const { return report_.divisor(); }
 
 private:
+    /**
+     * Those to which something happens, in the order in which they run at one edge: who looks at another comes before it.
+     * By their types, since this is where the model spends its time.
+     */
+    template <class Act> void each(Act &&act)
+    {
+        act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_), act(adc_);
+        act(pwm_), act(snapshot_), act(trigger_), act(line_);
+        for (Quadrature &quadrature : quadrature_)
+            act(quadrature);
+    }
+
     void add(Block &block, uint32_t first, uint32_t last);
     void plan();
 
-    /* In the order in which they run at one edge: who looks at another comes before it. */
     Identity identity_;
     BusFault bus_fault_;
     Serial serial_, report_;
@@ -94,7 +104,6 @@ private:
     Quadrature quadrature_[AXES];
 
     static constexpr uint32_t FIRST = 0xfffff000, WORDS = 1024;
-    std::vector<Block *> blocks_;
     Block *by_word_[WORDS] = {};
     uint64_t pins_;
     Time next_ = NEVER;

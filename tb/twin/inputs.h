@@ -10,7 +10,11 @@ namespace twin {
 
 class Inputs final : public Block {
 public:
-    Inputs(const Timer &timer, uint64_t pins) : timer_(timer), levels_(gather(pins)) {}
+    Inputs(const Timer &timer, uint64_t pins) : timer_(timer), levels_(gather(pins))
+    {
+        listens = PINS;
+        due = 0;
+    }
 
     uint32_t read(uint32_t address, Time edge) override
     {
@@ -28,17 +32,13 @@ public:
             edges_.clear(edge, value);
     }
 
-    void input(Time edge, uint64_t changed, uint64_t pins) override
+    void input(Time edge, uint64_t, uint64_t pins) override
     {
-        if (!(changed & PINS))
-            return;
         levels_.set(sync_from(edge) + SYNC, gather(pins));
         seen_ = sync_from(edge) + 2 * SYNC;
-        if (watch_ == NEVER)
-            watch_ = seen_;
+        if (due == NEVER)
+            due = seen_;
     }
-
-    Time next() const override { return watch_; }
 
     /** The first edge that sees new levels compares them with the last. */
     void run(Time edge) override
@@ -49,7 +49,7 @@ public:
         watch(edge, 1, changed, now, REG_INPUTS_LEVELS_IN1_MASK, REG_INPUTS_EDGES_IN1_ROSE_MASK,
               REG_INPUTS_EDGES_IN1_FELL_MASK);
         was_ = now;
-        watch_ = edge < seen_ ? edge + SYNC : NEVER;
+        due = edge < seen_ ? edge + SYNC : NEVER;
     }
 
 private:
@@ -77,7 +77,7 @@ private:
     const Timer &timer_;
     Past<uint32_t> levels_;
     uint32_t was_ = 0; /* at reset */
-    Time watch_ = 0, seen_ = 0; /* next look; the edge that sees the last change */
+    Time seen_ = 0; /* the edge that sees the last change */
     EventBits edges_;
     uint32_t time_[2] = {};
 };

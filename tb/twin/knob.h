@@ -13,6 +13,7 @@ class Knobs final : public Block {
 public:
     explicit Knobs(uint64_t pins) : filter_(REG_KNOB_FILTER_VALUE_RESET), pins_(pins)
     {
+        listens = bits(KNOB_A, KNOBS) | bits(KNOB_B, KNOBS);
         agenda_.add(0, Kind::LEVELS);
     }
 
@@ -33,15 +34,12 @@ public:
             errors_.clear(edge, value);
     }
 
-    void input(Time edge, uint64_t changed, uint64_t pins) override
+    void input(Time edge, uint64_t, uint64_t pins) override
     {
-        if (!(changed & (bits(KNOB_A, KNOBS) | bits(KNOB_B, KNOBS))))
-            return;
         pins_.set(sync_from(edge) + SYNC, pins);
         agenda_.add(sync_from(edge) + 2 * SYNC, Kind::LEVELS);
     }
 
-    Time next() const override { return agenda_.next(); }
 
     void run(Time edge) override
     {
@@ -116,7 +114,7 @@ private:
     EventBits errors_;
     Past<uint64_t> pins_;
     Knob knobs_[KNOBS];
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
     Time strobe_ = NEVER, counts_ = NEVER;
 };
 

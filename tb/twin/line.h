@@ -27,7 +27,6 @@ public:
 
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -108,7 +107,7 @@ private:
     Outputs &outputs_;
     Quadrature (&encoders_)[AXES];
     Trigger &trigger_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
 
     /* Registers. */
     Settings registers_;

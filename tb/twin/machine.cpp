@@ -75,6 +75,12 @@ bool Machine::receive(uint8_t &byte)
     return true;
 }
 
+void Machine::follow(Follower *stage)
+{
+    stage_ = stage;
+    plan();
+}
+
 void Machine::at(Time edge, std::function<void()> hands)
 {
     hands_.emplace_back(edge, std::move(hands));
@@ -84,7 +90,9 @@ void Machine::at(Time edge, std::function<void()> hands)
 /** The controller's pins act on the board and the line. */
 void Machine::changed(Time edge, uint64_t pins)
 {
-    if (pins & DRIVES)
+    if (watch)
+        watch(edge, pins, levels);
+    if (pins & DRIVES && !stage_)
         board_drive_pins(board_, edge * FAST_PS, unsigned(levels >> PWM & 0xf), unsigned(levels >> DIR & 0xf),
                          levels >> MOTOR_ENABLE & 1);
     if (pins & bit(SERIAL_TX)) {
@@ -102,8 +110,10 @@ void Machine::changed(Time edge, uint64_t pins)
 uint64_t Machine::pins() const
 {
     const struct board_pins &board = *board_pins(board_);
-    return uint64_t(board.enc_a) << ENC_A | uint64_t(board.enc_b) << ENC_B | uint64_t(board.enc_z) << ENC_Z |
-           uint64_t(board.limit_lower) << LIMIT_LOWER | uint64_t(board.limit_upper) << LIMIT_UPPER |
+    const uint64_t encoders = stage_ ? stage_->pins()
+                                     : uint64_t(board.enc_a) << ENC_A | uint64_t(board.enc_b) << ENC_B |
+                                           uint64_t(board.enc_z) << ENC_Z;
+    return encoders | uint64_t(board.limit_lower) << LIMIT_LOWER | uint64_t(board.limit_upper) << LIMIT_UPPER |
            uint64_t(board.estop) << ESTOP | uint64_t(board.in0) << IN0 | uint64_t(board.in1) << IN1 |
            uint64_t(board.button) << BUTTON | uint64_t(board.joystick_button) << JOYSTICK_BUTTON |
            uint64_t(board.dip) << DIP | uint64_t(board.knob_a) << KNOB_A | uint64_t(board.knob_b) << KNOB_B |
@@ -114,6 +124,12 @@ uint64_t Machine::pins() const
 void Machine::happen()
 {
     const Time edge = outside_;
+    if (stage_ && stage_->next() == edge) {
+        stage_->happen();
+        gateware_.input(edge, pins());
+        plan();
+        return;
+    }
     if (!hands_.empty() && hands_.front().first == edge && next_ps() / FAST_PS >= edge) {
         hands_.front().second();
         hands_.pop_front();
@@ -135,6 +151,8 @@ int64_t Machine::next_ps() const
 void Machine::plan()
 {
     outside_ = next_ps() == INT64_MAX ? NEVER : next_ps() / FAST_PS + 1;
+    if (stage_)
+        outside_ = std::min(outside_, stage_->next());
     if (!hands_.empty())
         outside_ = std::min(outside_, hands_.front().first);
 }

@@ -13,6 +13,7 @@
 
 #include "../board/board.h"
 #include "../board/serial_line.h"
+#include "follower.h"
 #include "gateware.h"
 
 namespace twin {
@@ -38,6 +39,12 @@ public:
     /** Hands on the board: before `edge`, the first to sample what they do. To be said in order of time. */
     void at(Time edge, std::function<void()> hands);
 
+    /** From now on the encoders are those of a stage that does what it is told; the board's motors have no wires. */
+    void follow(Follower *stage);
+
+    /** Told of changes of output pins, with the edge from which on they are so. */
+    std::function<void(Time, uint64_t changed, uint64_t levels)> watch;
+
     /** Levels of the interrupt lines. */
     uint32_t interrupts() const { return uint32_t(levels >> INTERRUPT); }
 
@@ -59,6 +66,7 @@ private:
     struct board *const board_;
     SerialLine line_, report_;
     Gateware gateware_;
+    Follower *stage_ = nullptr;
     Time now_ = 0;
     std::deque<std::pair<Time, std::function<void()>>> hands_;
     Time outside_ = NEVER; /* the edge that is the first to see what happens next on the board or the line */

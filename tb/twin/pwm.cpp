@@ -17,6 +17,7 @@ Pwm::Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, uint64_t pins)
     : outputs_(outputs), snapshot_(snapshot), adc_(adc), divider_(REG_PWM_TICK_DIVIDER_VALUE_RESET),
       delay_(REG_PWM_DUTY_DELAY_VALUE_RESET)
 {
+    listens = bit(ESTOP);
     /* The interlock holds until it has seen the pin. */
     inhibit_.set(SYNC, pins >> ESTOP & 1);
     agenda_.add(2 * SYNC, Kind::OFF);
@@ -70,10 +71,8 @@ void Pwm::write(uint32_t address, uint32_t value, Time edge)
     }
 }
 
-void Pwm::input(Time edge, uint64_t changed, uint64_t pins)
+void Pwm::input(Time edge, uint64_t, uint64_t pins)
 {
-    if (!(changed & bit(ESTOP)))
-        return;
     inhibit_.set(sync_from(edge) + SYNC, pins >> ESTOP & 1);
     agenda_.add(sync_from(edge) + 2 * SYNC, Kind::OFF);
 }

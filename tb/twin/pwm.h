@@ -19,7 +19,6 @@ public:
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void input(Time edge, uint64_t changed, uint64_t pins) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -36,7 +35,7 @@ private:
     Outputs &outputs_;
     Snapshot &snapshot_;
     Adc &adc_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
 
     int32_t duty_[AXES] = {};
     uint32_t enable_ = 0, divider_, delay_;

@@ -15,6 +15,7 @@ static_assert(DECODER_LATENCY == SYNCHRONISER + 1, "the count follows the judgem
 Quadrature::Quadrature(StepListener &listener, unsigned axis, uint64_t pins)
     : listener_(listener), axis_(axis), a_(pins >> (ENC_A + axis) & 1)
 {
+    listens = bit(ENC_A + axis) | bit(ENC_B + axis) | bit(ENC_Z + axis);
     const unsigned first[WIRES] = {ENC_A, ENC_B, ENC_Z};
     for (unsigned n = 0; n < WIRES; n++) {
         const bool level = pins >> (first[n] + axis) & 1;
@@ -60,11 +61,9 @@ void Quadrature::write(uint32_t address, uint32_t value, Time edge)
     }
 }
 
-void Quadrature::input(Time edge, uint64_t changed, uint64_t pins)
+void Quadrature::input(Time edge, uint64_t, uint64_t pins)
 {
-    const uint64_t mine = bit(ENC_A + axis_) | bit(ENC_B + axis_) | bit(ENC_Z + axis_);
-    if (changed & mine)
-        agenda_.add(edge + SYNCHRONISER, Kind::PINS,
+    agenda_.add(edge + SYNCHRONISER, Kind::PINS,
                     (pins >> (ENC_A + axis_) & 1) << A | (pins >> (ENC_B + axis_) & 1) << B |
                         (pins >> (ENC_Z + axis_) & 1) << Z);
 }

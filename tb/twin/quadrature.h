@@ -36,7 +36,6 @@ public:
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void input(Time edge, uint64_t changed, uint64_t pins) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -61,7 +60,7 @@ private:
     StepListener &listener_;
     const unsigned axis_;
 
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
     uint32_t config_ = 0;
     ToFast handover_;
     uint32_t handed_ = 0;

@@ -15,6 +15,7 @@ constexpr uint32_t ERRORS_MAX = 0xffff;
 Serial::Serial(Outputs &outputs, const SerialPort &port)
     : outputs_(outputs), port_(port), written_(REG_SERIAL_DIVISOR_VALUE_RESET)
 {
+    listens = port.rx < INPUT_PINS ? twin::bit(port.rx) : 0;
 }
 
 uint32_t Serial::read(uint32_t address, Time edge)
@@ -59,10 +60,8 @@ void Serial::write(uint32_t address, uint32_t value, Time edge)
     show(edge);
 }
 
-void Serial::input(Time edge, uint64_t changed, uint64_t pins)
+void Serial::input(Time edge, uint64_t, uint64_t pins)
 {
-    if (!(changed & twin::bit(port_.rx)))
-        return;
     line_.set(sync_from(edge) + SYNC, pins >> port_.rx & 1);
     agenda_.add(sync_from(edge) + 2 * SYNC, Kind::RX_LOOK);
 }

@@ -29,7 +29,6 @@ public:
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void input(Time edge, uint64_t changed, uint64_t pins) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -47,7 +46,7 @@ private:
 
     Outputs &outputs_;
     const SerialPort port_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
     uint32_t written_, enable_ = 0;
     EventBits errors_;
     uint32_t dropped_ = 0;

@@ -53,7 +53,6 @@ public:
             agenda_.add(sample_.crossing.next(), Kind::SEND_SAMPLE);
     }
 
-    Time next() const override { return agenda_.next(); }
 
     void run(Time edge) override
     {
@@ -107,7 +106,7 @@ private:
     TickListener &listener_;
     Quadrature (&encoders_)[AXES];
     const uint64_t init_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
     Bank tick_, sample_;
 };
 

@@ -3,6 +3,8 @@
 #ifndef TWIN_TIMER_H
 #define TWIN_TIMER_H
 
+#include <algorithm>
+
 #include "block.h"
 
 namespace twin {
@@ -36,10 +38,9 @@ public:
         case REG_TIMER_INTERRUPT: events_.clear(edge, value); break;
         }
         plan(edge + SYNC);
+        due = std::min(expires_, rings_);
         show(edge);
     }
-
-    Time next() const override { return expires_ < rings_ ? expires_ : rings_; }
 
     void run(Time edge) override
     {
@@ -53,6 +54,7 @@ public:
             armed_ = false;
             rings_ = edge + SYNC;
         }
+        due = std::min(expires_, rings_);
     }
 
 private:

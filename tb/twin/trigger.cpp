@@ -18,6 +18,7 @@ Trigger::Trigger(Outputs &outputs, Quadrature (&encoders)[AXES], uint64_t pins, 
     : outputs_(outputs), encoders_(encoders), init_(init), config_(MINIMUM << REG_TRIGGER_CONFIG_MINIMUM_SHIFT),
       settings_({MINIMUM, false, false, false}), in0_(pins >> IN0 & 1)
 {
+    listens = bit(IN0);
     /* After reset a pause is due; the first edge sees whether it begins with it. */
     agenda_.add(0, Kind::LOOK);
 }
@@ -54,10 +55,8 @@ void Trigger::write(uint32_t address, uint32_t value, Time edge)
     }
 }
 
-void Trigger::input(Time edge, uint64_t changed, uint64_t pins)
+void Trigger::input(Time edge, uint64_t, uint64_t pins)
 {
-    if (!(changed & bit(IN0)))
-        return;
     in0_.set(edge + SYNCHRONISER - 1, pins >> IN0 & 1);
     agenda_.add(edge + SYNCHRONISER, Kind::LOOK);
 }

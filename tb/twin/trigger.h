@@ -22,7 +22,6 @@ public:
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void input(Time edge, uint64_t changed, uint64_t pins) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -55,7 +54,7 @@ private:
     Outputs &outputs_;
     Quadrature (&encoders_)[AXES];
     const uint64_t init_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
 
     uint32_t config_, interrupt_enable_ = 0;
     ToFast handover_;
