@@ -43,3 +43,19 @@ def test_a_broken_wire_ends_as_a_dead_axis(powered):
     assert errors(powered)[:3] == [20, 90, 0]
     powered.run(30 * MS)
     assert powered.speed_counts_per_s(X) == 0
+
+
+def test_a_wire_that_breaks_in_a_scan_line_leaves_the_line_incomplete(powered):
+    for line in ("SCANR X=0 Y=1 Z=24", "SPEED X=2.64", "TTL X=1", "SCAN"):
+        assert powered.command(line) == ":A \r\n"
+    powered.run_until_pin("sync", 1, timeout_ps=500 * MS)
+    powered.record("sync", "encoder")
+    powered.run(30 * MS)
+    powered.stick_wire(X, "b", 0)
+    powered.run(200 * MS)
+    changes = powered.changes()
+    assert powered.command("/") == "N\r\n"
+    assert errors(powered)[:3] == [86, 20, 90]
+    assert not powered.levels()["sync"]
+    # About 150 pulses of 1891, and none once the wire was broken but of what still came.
+    assert 100 < len(changes) // 2 < 200
