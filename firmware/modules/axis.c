@@ -40,6 +40,7 @@ void axis_init(void)
     axis_cycles_last = 0;
     axis_cycles_max = 0;
     axis_trigger_watch(false);
+    axis_set_source(NULL);
     memset(axis_states, 0, sizeof axis_states);
     memset(preparations, 0, sizeof preparations);
     for (unsigned i = 0; i < AXIS_COUNT; i++) {
@@ -251,6 +252,13 @@ void axis_trigger_fire(void)
 uint32_t axis_triggers(void)
 {
     return axis_trigger_count;
+}
+
+void axis_set_source(void (*source)(void))
+{
+    atomic_signal_fence(memory_order_seq_cst);
+    axis_source = source;
+    atomic_signal_fence(memory_order_seq_cst);
 }
 
 uint32_t axis_generation(unsigned axis)

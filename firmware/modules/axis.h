@@ -181,6 +181,18 @@ void axis_trigger_fire(void);
 /** Times that armed plans have begun. */
 uint32_t axis_triggers(void);
 
+/**
+ * What moves set-points at rest, in the tick interrupt, ahead of each tick's regulation: called each
+ * tick until it is another, or NULL.
+ */
+void axis_set_source(void (*source)(void));
+
+/**
+ * For a source: let the set-point be a place, in this tick. Not while a plan is in progress or about
+ * to begin, nor of an axis that is not regulated: it stays where it is then.
+ */
+void axis_aim(unsigned axis, int64_t target_q32);
+
 /** The generation that plans must be made for: another one when the set-point is elsewhere. */
 uint32_t axis_generation(unsigned axis);
 

@@ -54,6 +54,8 @@ extern volatile uint32_t axis_cycles_last, axis_cycles_max;
 extern volatile bool axis_trigger_watched, axis_trigger_fired, axis_trigger_held;
 extern volatile uint32_t axis_trigger_count; /* the interrupt's */
 
+extern void (*volatile axis_source)(void); /* the main loop's */
+
 /* In the tick interrupt: when the trigger has come, let all that is armed begin in this tick. */
 void axis_trigger(void);
 

@@ -2,6 +2,8 @@
 /* The tick interrupt: what every tick does for all axes. Built for speed. */
 #include "modules/axis_state.h"
 
+#include <stddef.h>
+
 #include "core/events.h"
 #include "core/fault.h"
 #include "hal/interrupts.h"
@@ -15,6 +17,7 @@ struct axis axis_states[AXIS_COUNT];
 volatile uint32_t axis_tick_count, axis_tick_count_high;
 volatile uint32_t axis_cycles_last, axis_cycles_max;
 volatile bool axis_trigger_watched;
+void (*volatile axis_source)(void);
 
 /* True: a plan began, which takes about as long as a turn. */
 static inline bool begins(struct axis *a)
@@ -40,6 +43,8 @@ void axis_tick(void)
         axis_tick_count_high = axis_tick_count_high + 1;
     if (SELDOM(axis_trigger_watched))
         axis_trigger();
+    if (SELDOM(axis_source != NULL))
+        axis_source();
     for (unsigned i = 0; i < AXIS_COUNT; i++, a++) {
         busy |= profile_tick(&a->profile);
         busy |= begins(a);

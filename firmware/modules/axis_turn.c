@@ -80,6 +80,18 @@ void axis_trigger(void)
         axis_trigger_count = axis_trigger_count + 1;
 }
 
+void axis_aim(unsigned axis, int64_t target_q32)
+{
+    struct axis *a = &axis_states[axis];
+
+    if (a->profile.position_q32 == target_q32 || a->profile.plan != NULL ||
+        a->loop.mode == LOOP_FREE || a->loop.mode == LOOP_SPIN)
+        return;
+    a->profile.position_q32 = target_q32;
+    loop_jump(a->config, &a->loop, &a->profile, !a->limit_lower, !a->limit_upper);
+    a->generation++;
+}
+
 static void spin(struct axis *a)
 {
     a->spins_seen = a->spins;

@@ -57,7 +57,17 @@ int32_t coordinates_user_to_counts(unsigned axis, double user)
 
 int32_t coordinates_distance_to_counts(unsigned axis, double user)
 {
-    return whole(user / scale(axis) * counts_per_mm[axis]);
+    return whole(coordinates_distance_to_part_counts(axis, user));
+}
+
+double coordinates_distance_to_part_counts(unsigned axis, double user)
+{
+    return user / scale(axis) * counts_per_mm[axis];
+}
+
+double coordinates_part_counts_to_distance(unsigned axis, double counts)
+{
+    return counts / counts_per_mm[axis] * scale(axis);
 }
 
 bool coordinates_fits(unsigned axis, double user)

@@ -42,8 +42,10 @@ void coordinates_reverse(unsigned axis, bool reversed);
 int32_t coordinates_user_to_counts(unsigned axis, double user);
 int32_t coordinates_mm_to_counts(unsigned axis, double mm);
 
-/** A distance in user units to whole counts, signed (MOVREL). */
+/** A distance in user units to whole counts, signed (MOVREL); and with what a count is too coarse for. */
 int32_t coordinates_distance_to_counts(unsigned axis, double user);
+double coordinates_distance_to_part_counts(unsigned axis, double user);
+double coordinates_part_counts_to_distance(unsigned axis, double counts);
 
 double coordinates_counts_to_user(unsigned axis, int32_t counts);
 double coordinates_counts_to_mm(unsigned axis, int32_t counts);

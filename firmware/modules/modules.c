@@ -24,6 +24,7 @@
 #include "modules/save_positions.h"
 #include "modules/scan.h"
 #include "modules/screw.h"
+#include "modules/servo_lock.h"
 #include "modules/settings.h"
 #include "modules/spin.h"
 #include "modules/status.h"
@@ -55,6 +56,7 @@ const struct module *const firmware_modules[] = {
     &ttl_in_module,
     &ttl_out_module,
     &ttl_report_module,
+    &servo_lock_module,
     &ring_buffer_module,
     &z_stack_module,
     &joystick_module,
@@ -75,6 +77,7 @@ const struct module *const firmware_modules[] = {
 
 /* First come, first asked. */
 const struct claim firmware_claims[] = {
+    {ACTION_LOCK, servo_lock_toggle}, /* behind CRISP's, when there is one */
     {ACTION_RING_NEXT, ttl_in_trigger},
     {ACTION_AT_SHORT, scan_stop},
     {ACTION_AT_SHORT, ring_buffer_button_next},

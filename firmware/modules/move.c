@@ -24,17 +24,30 @@ static bool names_axis(const struct request *request, unsigned axis)
     return request->count == 0 || request_argument(request, axis_letter(axis)) != NULL;
 }
 
-/* What MOVREL moved last. */
+/* What MOVREL moved last; and as it was asked for. */
 static int32_t relative_counts[AXIS_COUNT];
+static double relative_part_counts[AXIS_COUNT];
 
 int32_t move_relative_counts(unsigned axis)
 {
     return relative_counts[axis];
 }
 
+double move_relative_part_counts(unsigned axis)
+{
+    return relative_part_counts[axis];
+}
+
 void move_set_relative_counts(unsigned axis, int32_t counts)
 {
     relative_counts[axis] = counts;
+    relative_part_counts[axis] = counts;
+}
+
+void move_set_relative(unsigned axis, double user)
+{
+    relative_counts[axis] = coordinates_distance_to_counts(axis, user);
+    relative_part_counts[axis] = coordinates_distance_to_part_counts(axis, user);
 }
 
 static struct motion_move move_of(unsigned axis, int32_t target_counts)
@@ -92,11 +105,18 @@ static unsigned read_targets(const struct request *request, bool relative, int32
             target_counts[axis] = coordinates_user_to_counts(axis, argument->value);
             continue;
         }
-        relative_counts[axis] = coordinates_distance_to_counts(axis, argument->value);
+        move_set_relative(axis, argument->value);
         /* Both within +-2^30. */
         target_counts[axis] = motion_target_counts(axis) + relative_counts[axis];
     }
     return axes;
+}
+
+static void (*relative_taken)(void);
+
+void move_take_relative(void (*changed)(void))
+{
+    relative_taken = changed;
 }
 
 static enum status start(const struct request *request, bool relative)
@@ -104,6 +124,10 @@ static enum status start(const struct request *request, bool relative)
     int32_t target_counts[AXIS_COUNT];
     unsigned axes = read_targets(request, relative, target_counts);
 
+    if (relative && relative_taken != NULL) {
+        relative_taken();
+        return STATUS_OK;
+    }
     return move_to(&serial_owner, axes, target_counts) ? STATUS_OK : STATUS_FAILED;
 }
 

@@ -24,9 +24,17 @@ bool move_to(const struct motion_owner *owner, unsigned axes, const int32_t *tar
  */
 bool move_prepare(const struct motion_owner *owner, unsigned axes, const int32_t *target_counts);
 
-/** What MOVREL moved an axis by last, in counts; 0: nothing since the start. */
+/** What MOVREL moved an axis by last, in counts; 0: nothing since the start. As it moved, and as was asked. */
 int32_t move_relative_counts(unsigned axis);
+double move_relative_part_counts(unsigned axis);
 /** Say what that was: for a step that another command sets (ZS). */
 void move_set_relative_counts(unsigned axis, int32_t counts);
+void move_set_relative(unsigned axis, double user);
+
+/**
+ * Until it is called with NULL, MOVREL moves nothing: it sets the distances, of which move_relative_counts
+ * tells, and calls this.
+ */
+void move_take_relative(void (*changed)(void));
 
 #endif

@@ -8,6 +8,7 @@
 #include "modules/joystick.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
+#include "modules/servo_lock.h"
 
 /* Bits of the status byte. */
 enum {
@@ -76,6 +77,8 @@ static char right_letter(unsigned axis)
     struct axis_view view;
 
     axis_read(axis, &view);
+    if (servo_lock_has(axis))
+        return owner->letter;
     if (view.mode == LOOP_WAIT)
         return 'P';
     if (owner != NULL && (motion_axis_busy(axis) || view.commanded))

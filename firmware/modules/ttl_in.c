@@ -50,8 +50,12 @@ static void change(const struct ttl_in_mode *to)
 
 static enum status check_in0_mode(unsigned axis, double mode)
 {
+    const struct ttl_in_mode *wanted = find((int)mode);
+
     (void)axis;
-    return find((int)mode) != NULL ? STATUS_OK : STATUS_RANGE;
+    if (present->taken)
+        return STATUS_FAILED;
+    return wanted != NULL && !wanted->taken ? STATUS_OK : STATUS_RANGE;
 }
 
 static void set_in0_mode(unsigned axis, double mode)
@@ -67,14 +71,15 @@ static double get_in0_mode(unsigned axis)
     return forced != NOT_FORCED ? forced : in0_mode;
 }
 
-void ttl_in_force(int number)
+bool ttl_in_force(int number)
 {
     const struct ttl_in_mode *mode = find(number);
 
     if (mode == NULL)
-        return;
+        return false;
     forced = number;
     change(mode);
+    return true;
 }
 
 void ttl_in_restore(void)

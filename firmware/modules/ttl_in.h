@@ -12,11 +12,13 @@ bool ttl_in_trigger(void);
 
 /**
  * A module takes the input for a mode of its own, whatever TTL X says, and gives it back. TTL X?
- * then answers that mode; what is set meanwhile counts from ttl_in_restore on.
+ * then answers that mode; what is set meanwhile counts from ttl_in_restore on, unless the mode is one
+ * that nobody else can set.
  *
  * @param number  A mode of the table.
+ * @return        False: there is none in this profile (BUILD F), and nothing has changed.
  */
-void ttl_in_force(int number);
+bool ttl_in_force(int number);
 void ttl_in_restore(void);
 
 /* Modes, for the table in ttl_modes.c. */

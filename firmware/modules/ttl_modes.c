@@ -42,6 +42,7 @@ const struct ttl_in_mode ttl_in_modes[] = {
     {.number = 6, .profiles = ALL, .pixels = true, .trigger = scan_trigger},
     {.number = 6, .profiles = IN0, .trigger = scan_trigger},
     {.number = 10, .profiles = ORDINARY, .trigger = ttl_out_toggle},
+    {.number = TTL_IN_SERVO_LOCK, .profiles = ORDINARY, .taken = true},
     {.number = 12, .profiles = ORDINARY, .trigger = ring_buffer_trigger,
      .step = ring_buffer_step_relative, .stepped = ring_buffer_stepped_relative},
     {.number = TTL_IN_ANY, .profiles = REPORT, .begin = ttl_report_begin, .end = ttl_report_end},

@@ -27,6 +27,9 @@ enum ttl_profile {
 /** Number of a mode that any number but 0 selects, where no row before it has that number. */
 #define TTL_IN_ANY (-1)
 
+/** The mode of modules/servo_lock.c. */
+#define TTL_IN_SERVO_LOCK 11
+
 /** A move that a trigger starts. */
 struct ttl_step {
     const struct motion_owner *owner;
@@ -38,6 +41,7 @@ struct ttl_step {
 struct ttl_in_mode {
     int number;
     unsigned profiles;     /* that have it: 1 << enum ttl_profile, or-ed; 0 ends the table */
+    bool taken;            /* for ttl_in_force alone: TTL X cannot select it, nor be set meanwhile */
     bool pixels;           /* the pixels of a scan give pulses */
     void (*begin)(void);   /* the mode was selected */
     void (*trigger)(void); /* a rising edge at IN0, or bare RM */

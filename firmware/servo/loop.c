@@ -233,6 +233,26 @@ void loop_feed(const struct loop_config *cfg, struct loop_state *st,
     feed(cfg, st, profile, loop_error_q16(st, profile, st->position_counts), may_fall, may_rise);
 }
 
+void loop_jump(const struct loop_config *cfg, struct loop_state *st,
+               const struct profile_state *profile, bool may_fall, bool may_rise)
+{
+    if (st->mode == LOOP_TRACK)
+        return;
+    if (st->mode == LOOP_SETTLE && st->regulated) {
+        st->mode_turns = 0;
+        st->near_turns = 0;
+        st->nearest_counts = INT32_MAX;
+        st->vain_turns = 0;
+        nudge_reset(&cfg->nudge, &st->nudge);
+    } else {
+        start(cfg, st, LOOP_SETTLE, pid_clamp(st->error_counts, 4000) * 65536);
+        st->regulated = true;
+        loop_feed(cfg, st, profile, may_fall, may_rise);
+    }
+    /* It has all the time to follow before it is nudged. */
+    st->still_turns = 0;
+}
+
 void loop_turn(const struct loop_config *cfg, struct loop_state *st,
                const struct profile_state *profile, int32_t position_counts, int32_t duty_steps,
                bool may_fall, bool may_rise)

@@ -141,6 +141,13 @@ void loop_track(const struct loop_config *cfg, struct loop_state *st, bool comma
 void loop_feed(const struct loop_config *cfg, struct loop_state *st,
                const struct profile_state *profile, bool may_fall, bool may_rise);
 
+/**
+ * The set-point, at rest, has jumped: regulate from this tick on, and settle there. Not in FREE or
+ * SPIN. Of a settling under way the integral is kept, and what watches over the axis.
+ */
+void loop_jump(const struct loop_config *cfg, struct loop_state *st,
+               const struct profile_state *profile, bool may_fall, bool may_rise);
+
 /** Expected place minus position, counts, clamped to what pid_tick takes. */
 static inline int32_t loop_error_q16(const struct loop_state *st,
                                      const struct profile_state *profile, int32_t position_counts)
