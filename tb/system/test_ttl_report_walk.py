@@ -15,6 +15,7 @@ import pytest
 from tb import toolchain
 from tb.models.encoder import CIRCLE
 from tb.sim.simulator import FAST_PERIOD_PS, MS, S, SIGNALS, SYNC_PERIOD_PS, US
+from tb.system.test_budgets import PERIOD_CLOCKS, log_has, reply_us, tick_clocks
 
 AXES = "xyzf"
 FRAME_PS = 10 * 434 * SYNC_PERIOD_PS        # start bit, byte, stop bit at 115200
@@ -191,6 +192,33 @@ def test_a_megabaud(reporting):
     times = random_times(rng, sim.time_ps + 500 * US, 200, RECORD * 10 * US)
     play(sim, times)
     assert len(list(binary(sim.report_read()))) == 200 and sim.report_framing_errors == 0
+
+
+@pytest.mark.parametrize("baud, format_", [(115200, 0), (115200, 1), (1_000_000, 2)])
+def test_records_cost_neither_ticks_nor_replies(reporting, baud, format_):
+    """Records as fast as the line carries them, all axes moving: the servo's tick and WHERE keep their bounds."""
+    sim, rng = reporting, random.Random(4)
+    assert sim.command(f"TREP Y={baud}") == ":A \r\n"
+    assert sim.command(f"TTL M={format_} X=1") == ":A \r\n"
+    sim.report_set_baud(baud)
+    move_all(sim, rng)
+    sim.report_read()
+    begin, pulses = sim.time_ps, (60 if baud < 1e6 else 300)
+    size = {0: RECORD, 1: 40, 2: 31}[format_]
+    for n in range(pulses):
+        time_ps = begin + n * size * 10 * S // baud
+        sim.schedule_input(time_ps, "in0", 1)
+        sim.schedule_input(time_ps + US, "in0", 0)
+    took_us = []
+    while sim.time_ps < begin + pulses * size * 10 * S // baud:
+        sim.run(rng.randrange(300, 1800) * US)
+        took_us.append(reply_us(sim, "W X"))
+    longest = tick_clocks(sim)[1]
+    print(f"format {format_} at {baud} bit/s, line full: W X {min(took_us):.0f} to {max(took_us):.0f} us, longest servo "
+          f"interrupt {longest} clocks of {PERIOD_CLOCKS}")
+    assert len(sim.report_read()) > 0.9 * pulses * size * (0.7 if format_ == 1 else 1)
+    assert max(took_us) < 500 and longest <= PERIOD_CLOCKS * 6 // 10
+    assert not log_has(sim, "48") and not log_has(sim, "87")
 
 
 def test_pulses_at_out0_send_packets(powered):
