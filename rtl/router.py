@@ -17,6 +17,7 @@ class Source(enum.Enum, shape=4):
     SYNC = 2
     PIXEL = 3
     DIRECT = 4
+    LED = 5
 
 
 Route = data.StructLayout({"source": 4, "invert": 1})
@@ -40,14 +41,14 @@ class PinRouter(wiring.Component):
     Members
     -------
     routes : In(Routes)
-    sync, pixel, direct : In(1)
+    sync, pixel, direct, led : In(1)
         Sources.
     out0, sync_out, encoder_out : Out(1)
         Pins.  0 at reset.
     """
 
     def __init__(self):
-        super().__init__({"routes": In(Routes), "sync": In(1), "pixel": In(1), "direct": In(1),
+        super().__init__({"routes": In(Routes), "sync": In(1), "pixel": In(1), "direct": In(1), "led": In(1),
                           **{pin: Out(1) for pin in PINS}})
 
     def elaborate(self, platform):
@@ -57,7 +58,7 @@ class PinRouter(wiring.Component):
             level = Signal(name=f"{pin}_level")
             with m.Switch(route.source):
                 for source, value in ((Source.HIGH, 1), (Source.SYNC, self.sync), (Source.PIXEL, self.pixel),
-                                      (Source.DIRECT, self.direct)):
+                                      (Source.DIRECT, self.direct), (Source.LED, self.led)):
                     with m.Case(source.value):
                         m.d.comb += level.eq(value)
             routed = Signal(name=f"{pin}_routed")
@@ -78,7 +79,7 @@ class RouterPeripheral(wiring.Component):
         """Pin OUT0.  Takes effect within 240 ns, source and polarity in the same clock."""
         source: Field(action.RW, 4, init=PINS["out0"].value,
                       doc="0 low, 1 high, 2 SYNC (the active line), 3 pixel clock, 4 direct (channel A of the "
-                          "divider's axis); others low.")
+                          "divider's axis), 5 modulation of a lamp (LED); others low.")
         invert: Field(action.RW, 1, doc="Inverts the pin, after selection.")
 
     class Sync(Register, access="rw"):

@@ -17,6 +17,7 @@ from rtl.identity import IdentityPeripheral
 from rtl.inputs import DIP_SWITCHES, InputsPeripheral
 from rtl.interlock import Interlock
 from rtl.knob import KNOBS, KnobPeripheral
+from rtl.led import LedPeripheral
 from rtl.line import LinePeripheral
 from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadraturePeripheral, StepStream
@@ -77,6 +78,7 @@ PERIPHERALS = (
     Peripheral("buttons", 0xffff_f140, ButtonsPeripheral),
     Peripheral("knob", 0xffff_f180, KnobPeripheral),
     Peripheral("report", 0xffff_f200, SerialPeripheral, interrupt=("report", 5)),
+    Peripheral("led", 0xffff_f240, LedPeripheral),
     # From here on within reach of one load or store off x0.
     Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
@@ -218,6 +220,7 @@ class Abbe(wiring.Component):
             trigger.in0.eq(self.in0), trigger.out0.eq(line.out0), trigger.time.eq(snapshot.time),
             parts["classifier"].pin.eq(self.in0),
         ]
+        m.d.comb += line.led.eq(parts["led"].led)
         for n in range(AXES):
             encoder = parts[f"quadrature{n}"]
             m.d.comb += [

@@ -13,6 +13,7 @@ enum router_source {
     ROUTER_LINE = 2,   /* SYNC: the active part of a line */
     ROUTER_PIXEL = 3,  /* pixel clock */
     ROUTER_DIRECT = 4, /* channel A of the divider's axis, as it is */
+    ROUTER_LED = 5,    /* modulation of a lamp */
 };
 
 /** Select a pin's source; `invert` acts after the selection. */

@@ -15,6 +15,7 @@
 #include "modules/info.h"
 #include "modules/inputs.h"
 #include "modules/joystick.h"
+#include "modules/led_dimmer.h"
 #include "modules/letters.h"
 #include "modules/limits.h"
 #include "modules/low_level.h"
@@ -57,6 +58,7 @@ const struct module *const firmware_modules[] = {
     &ttl_out_module,
     &ttl_report_module,
     &servo_lock_module,
+    &led_dimmer_module,
     &ring_buffer_module,
     &z_stack_module,
     &joystick_module,

@@ -4,7 +4,7 @@
 #include "hal/divider.h"
 #include "hal/router.h"
 
-static bool out0, inverted, pixels_enabled, direct, on_out0;
+static bool out0, lamp, inverted, pixels_enabled, direct, on_out0;
 
 static void route(void)
 {
@@ -14,13 +14,26 @@ static void route(void)
     if (on_out0)
         router_select(ROUTER_OUT0, encoder, inverted && !direct);
     else
-        router_select(ROUTER_OUT0, out0 ? ROUTER_HIGH : ROUTER_LOW, inverted);
+        router_select(ROUTER_OUT0, lamp ? ROUTER_LED : out0 ? ROUTER_HIGH : ROUTER_LOW, inverted);
 }
 
 void pins_out0(bool high)
 {
     out0 = high;
+    lamp = false;
     route();
+}
+
+void pins_out0_lamp(bool lit)
+{
+    out0 = lit;
+    lamp = true;
+    route();
+}
+
+bool pins_out0_is_lamp(void)
+{
+    return lamp;
 }
 
 void pins_invert(bool invert)

@@ -14,6 +14,10 @@
 /** OUT0 high or low, before polarity. */
 void pins_out0(bool high);
 
+/** OUT0 shows the modulation of a lamp, until pins_out0; lit or dark is then its level. */
+void pins_out0_lamp(bool lit);
+bool pins_out0_is_lamp(void);
+
 /** True inverts OUT0 and the pixel pulses. */
 void pins_invert(bool inverted);
 

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/axis.h"
+#include "modules/led_dimmer.h"
 #include "modules/ring_buffer.h"
 #include "modules/scan.h"
 #include "modules/ttl_in.h"
@@ -63,5 +64,6 @@ const struct ttl_out_mode ttl_out_modes[] = {
 #if AXIS_COUNT > 3
     {.number = 6, .argument = 3, .level = ttl_out_at_constant_speed},
 #endif
+    {.number = 9, .begin = led_dimmer_on, .end = led_dimmer_off},
     {.number = -1},
 };

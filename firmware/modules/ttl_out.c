@@ -3,6 +3,7 @@
 
 #include <stddef.h>
 
+#include "modules/led_dimmer.h"
 #include "modules/motion.h"
 #include "modules/pins.h"
 #include "modules/ttl_modes.h"
@@ -129,7 +130,7 @@ static void set_polarity(unsigned axis, double value)
 
 static const struct command commands[] = {
     {
-        .name = "TTL", .form = FORM_P, .run = ttl,
+        .name = "TTL", .form = FORM_P, .run = ttl, .check = led_dimmer_check,
         .summary = "Modes of the TTL connectors; without arguments the level of OUT0.",
     },
     {
@@ -144,7 +145,8 @@ static const struct parameter parameters[] = {
         .minimum = 0, .maximum = 255, .initial = 1, .value = &out0_mode, .check = check_out0_mode,
         .set = set_out0_mode, .saved = SAVED_BY_SS,
         .summary = "OUT0: 0 low; 1 high; 2 a pulse at the end of a commanded move; 3 and on: high "
-                   "while the first (second ...) axis moves at constant speed.",
+                   "while the first (second ...) axis moves at constant speed; 9 modulation of a "
+                   "lamp (LED), and a number behind is LED X.",
     },
     {
         .command = "TTL", .letter = 'F', .type = PARAMETER_INTEGER, .unit = "",

@@ -205,7 +205,7 @@ TEST(modes_that_are_not_built_are_refused)
     SEND("TTL X=99", ":N-4\r\n");
     SEND("TTL Y=7", ":N-4\r\n");
     SEND("TTL Y=-1", ":N-4\r\n");
-    SEND("TTL Y=9 40", ":N-2\r\n");
+    SEND("TTL Y=1 40", ":N-2\r\n");
     SEND("TTL F=0", ":N-4\r\n");
     SEND("TTL F=2", ":N-4\r\n");
     SEND("TTL Q=1", ":N-2\r\n");

@@ -23,7 +23,7 @@ SPINE = {"identity", "bus", "inputs", "serial", "timer", "snapshot", "pwm", "lin
 
 
 FAST_MODULES = {*(f"controller.quadrature{n}.decoder" for n in range(4)), "controller.line.line",
-                "controller.snapshot.timestamp", "controller.trigger.capture"}
+                "controller.led.pwm", "controller.snapshot.timestamp", "controller.trigger.capture"}
 
 
 @pytest.fixture(scope="module")

@@ -19,6 +19,7 @@
 #include "identity.h"
 #include "inputs.h"
 #include "knob.h"
+#include "led.h"
 #include "line.h"
 #include "pwm.h"
 #include "quadrature.h"
@@ -101,6 +102,7 @@ private:
     Snapshot snapshot_;
     Trigger trigger_;
     Line line_;
+    Led led_;
     Quadrature quadrature_[AXES];
 
     static constexpr uint32_t FIRST = 0xfffff000, WORDS = 1024;

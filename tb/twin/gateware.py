@@ -98,7 +98,8 @@ def build():
         if empty:
             toolchain.to_verilog(rtlil, directory / "abbe.v", flatten=True, top="abbe")
     model = build_model(directory / "abbe.v")
-    sources = [here / f"{name}.cpp" for name in ("lockstep", "stimulus", "gateware", "classifier", "line", "pwm", "quadrature", "serial", "trigger")]
+    names = ("lockstep", "stimulus", "gateware", "classifier", "led", "line", "pwm", "quadrature", "serial", "trigger")
+    sources = [here / f"{name}.cpp" for name in names]
     headers = sorted(here.glob("*.h"))
     include = verilator_root() / "include"
     command = ["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-I", ".", "-I", "generated", "-I",

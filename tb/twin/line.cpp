@@ -374,11 +374,19 @@ void Line::set_pulse(bool level, Time edge)
     pulse_.set(edge, level);
 }
 
+void Line::set_led(bool level, Time edge)
+{
+    if (level != led_.last())
+        agenda_.add(edge + ROUTER_LATENCY, Kind::SHOW);
+    led_.set(edge, level);
+}
+
 void Line::show_pins(Time edge)
 {
     const Time routed = edge - ROUTER_LATENCY + 1;
     constexpr unsigned pins[PINS] = {OUT0, SYNC_OUT, ENCODER_OUT};
-    const bool levels[] = {false, true, sync_.before(routed), pulse_.before(routed), direct_.before(routed)};
+    const bool levels[] = {false, true, sync_.before(routed), pulse_.before(routed), direct_.before(routed),
+                           led_.before(routed)};
     const Live &live = live_in_force_.before(routed);
 
     for (unsigned pin = 0; pin < PINS; pin++) {

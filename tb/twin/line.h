@@ -25,6 +25,9 @@ public:
     void step(unsigned axis, bool up, int32_t count, Time edge) override;
     void channel_a(unsigned axis, Time edge) override;
 
+    /** The modulation of the lamp, one of the router's sources. */
+    void set_led(bool level, Time edge);
+
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
     void run(Time edge) override;
@@ -138,7 +141,7 @@ private:
     uint32_t width_ = 1;       /* of the last pulse */
     Time falls_ = -1;          /* the edge at which it falls */
     bool direct_taken_ = false;
-    Past<bool> sync_{false}, pulse_{false}, direct_{false};
+    Past<bool> sync_{false}, pulse_{false}, direct_{false}, led_{false};
 
     /* The report: the line now, as captured last, and as the registers show it. */
     State state_, captured_, report_;

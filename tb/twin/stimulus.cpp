@@ -135,12 +135,13 @@ Access BusStimulus::next(const Now &now)
     }
     if (random_.one_in(60))
         line(now);
-    if (random_.one_in(2500)) { /* fill a transmitter */
-        const uint32_t data = random_.one_in(2) ? REG_SERIAL_DATA : REG_REPORT_DATA;
+    if (random_.one_in(2500)) { /* fill a transmitter, and look at it */
+        const bool report = random_.one_in(2);
         for (int64_t n = random_.from(30, 80); n > 0; n--)
-            script_.push_back({data, random_.word(), true, 15});
+            script_.push_back({report ? REG_REPORT_DATA : REG_SERIAL_DATA, random_.word(), true, 15});
+        script_.push_back({report ? REG_REPORT_STATUS : REG_SERIAL_STATUS, 0, false, 15});
     }
-    if (random_.one_in(20000)) /* empty the trigger's queue, or nearly so */
+    if (random_.one_in(60000)) /* empty the trigger's queue, or nearly so */
         for (int64_t n = random_.from(1, 1100); n > 0; n--)
             script_.push_back({REG_TRIGGER_NEXT, random_.word() | 1, true, 15});
     if (random_.one_in(500)) /* nowhere, or not a whole word */
@@ -148,6 +149,8 @@ Access BusStimulus::next(const Now &now)
                 random_.word(), random_.one_in(2), unsigned(random_.from(0, 14))};
     const uint32_t address = addresses_[size_t(random_.from(0, int64_t(addresses_.size()) - 1))];
     const bool write = random_.one_in(writable_[address] ? 2 : 20);
+    if (write && address == REG_SNAPSHOT_CONTROL) /* busy for some clocks */
+        script_.push_back({REG_SNAPSHOT_STATUS, 0, false, 15});
     return {address, write ? value(address, now) : 0, write, 15};
 }
 
@@ -180,7 +183,8 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
 {
     const bool leaves_little_to_see = address == REG_SERIAL_DIVISOR || address == REG_REPORT_DIVISOR ||
                                       address == REG_PWM_TICK_DIVIDER ||
-                                      address == REG_BUTTONS_DEBOUNCE || address == REG_KNOB_FILTER;
+                                      address == REG_BUTTONS_DEBOUNCE || address == REG_KNOB_FILTER ||
+                                      address == REG_LED_PERIOD;
     if (random_.one_in(leaves_little_to_see ? 60 : 16) && address != REG_SERIAL_DIVISOR &&
         address != REG_REPORT_DIVISOR)
         return random_.word();
@@ -204,6 +208,9 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
     case REG_DIVIDER_WIDTH: return uint32_t(random_.from(0, 9));
     case REG_DIVIDER_INTERVAL_MIN: return random_.one_in(2) ? ~0u : uint32_t(random_.from(0, 20));
     case REG_COMPARE_REFERENCE: return uint32_t(now.count[random_.from(0, 3)] + random_.from(-20, 20));
+    case REG_LED_PERIOD:
+    case REG_LED_ON: return uint32_t(random_.from(0, random_.one_in(4) ? 600 : 30));
+    case REG_ROUTER_OUT0: return random_.one_in(3) ? random_.word() : 5;
     case REG_ADC_CONTROL: return !random_.one_in(4);
     case REG_CLASSIFIER_THRESHOLD: return uint32_t(random_.from(0, random_.one_in(2) ? 4 : 60));
     case REG_CLASSIFIER_CONFIG:
