@@ -20,7 +20,6 @@ public:
 
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
-    Time next() const override { return agenda_.next(); }
     void run(Time edge) override;
 
 private:
@@ -44,7 +43,7 @@ private:
     void plan_take(Time edge);
 
     Line &line_;
-    Agenda<Kind> agenda_;
+    Agenda<Kind> agenda_{due};
 
     uint32_t period_, on_ = 0; /* registers */
     Settings wanted_, sent_;
