@@ -81,7 +81,7 @@ private:
     template <class Act> void each(Act &&act)
     {
         act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_), act(adc_);
-        act(pwm_), act(snapshot_), act(trigger_), act(line_);
+        act(pwm_), act(snapshot_), act(trigger_), act(line_), act(led_);
         for (Quadrature &quadrature : quadrature_)
             act(quadrature);
     }
