@@ -97,21 +97,42 @@ def is_equivalent(directory, part, how):
     return "Equivalence successfully proven!" in (directory / "equivalence.txt").read_text()
 
 
+def _named_cells(directory, name, modules):
+    """``[(module, type, cell)]`` of an RTLIL file before yosys adds its own."""
+    text = (directory / name).read_text()
+    found = []
+    for module in modules:
+        body = re.search(rf"^module \\{re.escape(module)}$.*?^end$", text, re.MULTILINE | re.DOTALL)[0]
+        found += [(module, kind, cell) for kind, cell in re.findall(r"^  cell (\S+) (\S+)$", body, re.MULTILINE)]
+    return found
+
+
+def _in_the_proof(how, outside, inside):
+    """The same mutant of the block inside a proof, whose cells come in the same order under other numbers.
+
+    Raises :exc:`RuntimeError` if they are not the same cells.
+    """
+    if [kind for _, kind, _ in outside if kind[0] == "$"] != [kind for _, kind, _ in inside if kind[0] == "$"]:
+        raise RuntimeError(f"{outside[0][0]} has other cells in the proof")
+    module, cell = re.search(r"-module (\S+) -cell (\S+)", how).groups()
+    there = {(m, c): (p, d) for (m, _, c), (p, _, d) in zip(outside, inside, strict=True)}
+    modules = {m: p for (m, _), (p, _) in there.items()}
+    to_module, to_cell = there.get((module, cell), (modules[module], cell))
+    return how.replace(f"-module {module} -cell {cell}", f"-module {to_module} -cell {to_cell}")
+
+
 def noticed_by_proof(proof, directory, part, how):
     """Whether the claim of a proof of the block ``part``, which is ``dut`` in its harness, no longer holds with this mutant.
 
     Raises :exc:`RuntimeError` if the block's cells are not the same in both.
     """
-    text = proof().rtlil()
-    block = _modules(directory, "dut.il", part)[0]
     name = f"mutant-{proof.name()}"
     folder = toolchain.BUILD / "formal" / name
     with toolchain.exclusive(folder / "mutate.lock"):
-        _write(folder, "whole.il", text)
-        toolchain.yosys(f"{_cells(folder, 'whole.il', 'top.dut', 'cells.txt')}; "
-                        f"mutate {how.replace(f'-module {block}', '-module top.dut')}; write_rtlil mutated.il", cwd=folder)
-        inside = [line.replace("top.dut", block, 1) for line in (folder / "cells.txt").read_text().splitlines()]
-        if sorted(inside) != sorted((directory / "cells.txt").read_text().splitlines()):
-            raise RuntimeError(f"{part} has other cells in the proof {proof.name()}")
+        _write(folder, "whole.il", proof().rtlil())
+        outside = _named_cells(directory, "dut.il", _modules(directory, "dut.il", part))
+        inside = _named_cells(folder, "whole.il", _modules(folder, "whole.il", "top.dut"))
+        toolchain.yosys(f"{_cells(folder, 'whole.il', 'top.dut')}; mutate {_in_the_proof(how, outside, inside)}; "
+                        "write_rtlil mutated.il", cwd=folder)
         verdict, _seconds, _log = formal.check(name, proof.mode, proof.depth, (folder / "mutated.il").read_text())
     return verdict in ("FAIL", "UNKNOWN")
