@@ -5,7 +5,6 @@
 #include <stddef.h>
 
 #include "core/events.h"
-#include "core/fault.h"
 #include "modules/limits.h"
 #include "modules/tuning.h"
 
@@ -18,7 +17,7 @@
 struct motion motions[AXIS_COUNT];
 static bool busy_before;
 
-static void tell(unsigned axis, enum motion_end why)
+void motion_tell(unsigned axis, enum motion_end why)
 {
     const struct motion *m = &motions[axis];
 
@@ -39,7 +38,7 @@ void motion_take(unsigned axis, const struct motion_owner *owner)
     struct motion *m = &motions[axis];
 
     if (m->owner != owner)
-        tell(axis, MOTION_TAKEN);
+        motion_tell(axis, MOTION_TAKEN);
     m->owner = owner;
     m->claimed = true;
 }
@@ -66,17 +65,6 @@ void motion_release(unsigned axes, const struct motion_owner *owner)
 const struct motion_owner *motion_owner(unsigned axis)
 {
     return motions[axis].owner;
-}
-
-/* Other legs follow the present one. */
-static bool is_under_way(const struct motion *m)
-{
-    return m->leg < m->move.via_count;
-}
-
-static void forget_legs(struct motion *m)
-{
-    m->leg = m->move.via_count;
 }
 
 /* Bounds for a change of speed in at most `ramp_ms` from what the axis now has. */
@@ -167,7 +155,7 @@ static void launch(unsigned axes, unsigned lead_ticks)
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         if ((axes & MOTION_AXIS(axis)) != 0)
             axis_hand_over(axis, generations[axis], tick,
-                           !motions[axis].stopping && !is_under_way(&motions[axis]));
+                           !motions[axis].stopping && !motion_is_under_way(&motions[axis]));
 }
 
 /* Plan the moves that wait. */
@@ -222,7 +210,7 @@ void motion_stop(unsigned axes)
         if ((axes & MOTION_AXIS(axis)) == 0)
             continue;
         m->waiting = false;
-        forget_legs(m);
+        motion_forget_legs(m);
         /* A stop under way is left alone: stops that follow each other would put it off. */
         if (m->stopping && axis_handover(axis) != AXIS_HANDOVER_NONE)
             continue;
@@ -245,7 +233,7 @@ bool motion_halt(void)
         commanded |= motion_axis_busy(axis) && !motions[axis].owner->open_loop;
     motion_stop(MOTION_AXES_ALL);
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        tell(axis, MOTION_HALTED);
+        motion_tell(axis, MOTION_HALTED);
     events_publish(EVENT_HALT, commanded, events_now());
     return commanded;
 }
@@ -256,9 +244,9 @@ void motion_enable(unsigned axis, bool enable)
     axis_enable(axis, enable);
     if (!enable) {
         motions[axis].waiting = false;
-        forget_legs(&motions[axis]);
+        motion_forget_legs(&motions[axis]);
         (void)axis_plan(axis);
-        tell(axis, MOTION_DISABLED);
+        motion_tell(axis, MOTION_DISABLED);
     }
 }
 
@@ -283,7 +271,7 @@ bool motion_axis_moves(unsigned axis)
         return true;
     if (m->stopping)
         return false;
-    if (is_under_way(m) || motion_handed_over(axis))
+    if (motion_is_under_way(m) || motion_handed_over(axis))
         return true;
     return axis_commanded(axis);
 }
@@ -309,7 +297,7 @@ bool motion_busy(void)
 static bool is_planning(unsigned axis)
 {
     motion_notice_prepared();
-    return motions[axis].waiting || is_under_way(&motions[axis]) || motion_handed_over(axis);
+    return motions[axis].waiting || motion_is_under_way(&motions[axis]) || motion_handed_over(axis);
 }
 
 bool motion_stands(unsigned axis)
@@ -357,82 +345,6 @@ double motion_speed_max_mm_per_s(unsigned axis)
     return tuning_speed_max_mm_per_s(axis);
 }
 
-static enum motion_end why(enum axis_stop stop)
-{
-    switch (stop) {
-    case AXIS_STOP_LIMIT_LOWER:
-    case AXIS_STOP_LIMIT_UPPER:
-        return MOTION_LIMIT;
-    case AXIS_STOP_INHIBITED:
-        return MOTION_DISABLED;
-    default:
-        return MOTION_FAULT;
-    }
-}
-
-static uint16_t code(unsigned axis, const struct axis_report *report)
-{
-    enum fault limit;
-
-    switch (report->last_stop) {
-    case AXIS_STOP_LIMIT_LOWER:
-    case AXIS_STOP_LIMIT_UPPER:
-        limit = limits_fault(axis, report->last_stop == AXIS_STOP_LIMIT_UPPER);
-        return (uint16_t)(limit + (report->stop_at_start ? FAULT_INTO : 0));
-    case AXIS_STOP_NOT_SETTLED:
-        return (uint16_t)(FAULT_ADJUST_MOVE + axis);
-    case AXIS_STOP_DEAD:
-        return (uint16_t)(FAULT_AXIS_DEAD + axis);
-    case AXIS_STOP_RUNAWAY:
-        return (uint16_t)(FAULT_RUNAWAY + axis);
-    case AXIS_STOP_OVERFLOW:
-        return (uint16_t)(FAULT_ENCODER_OVERFLOW + axis);
-    default:
-        return FAULT_NONE;
-    }
-}
-
-static void report(unsigned axis)
-{
-    struct motion *m = &motions[axis];
-    uint32_t news = axis_news(axis);
-    struct axis_view view;
-
-    if (news == m->news_seen && !m->waiting && !is_under_way(m) &&
-        !motion_handed_over(axis))
-        return;
-    m->news_seen = news;
-    axis_read(axis, &view);
-    if (view.off && (m->waiting || motion_handed_over(axis))) {
-        m->waiting = false;
-        forget_legs(m);
-        (void)axis_plan(axis);
-        tell(axis, MOTION_DISABLED);
-    }
-    if (is_under_way(m) && !m->waiting && !view.planned &&
-        !motion_handed_over(axis)) {
-        m->leg++;
-        m->waiting = true;
-    }
-    if (view.report.lags != m->lags_seen) {
-        m->lags_seen = view.report.lags;
-        log_error((uint16_t)(FAULT_ERROR_LARGE + axis));
-    }
-    if (view.report.stops != m->stops_seen) {
-        m->stops_seen = view.report.stops;
-        m->waiting = m->waiting && !is_under_way(m);
-        forget_legs(m);
-        if (code(axis, &view.report) != FAULT_NONE)
-            log_error(code(axis, &view.report));
-        tell(axis, why(view.report.last_stop));
-    }
-    if (view.report.arrivals != m->arrivals_seen) {
-        m->arrivals_seen = view.report.arrivals;
-        if (!m->stopping)
-            events_publish(EVENT_MOVE_DONE, axis, view.report.arrival_time_fast);
-    }
-}
-
 static void init(void)
 {
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
@@ -448,7 +360,7 @@ static void poll(void)
 
     motion_notice_prepared();
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        report(axis);
+        motion_report(axis);
         if (motions[axis].waiting) {
             waiting |= MOTION_AXIS(axis);
             wait |= is_about_to_begin(axis);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** What modules/motion.c and motion_prepared.c share, and nobody else; the contract is motion.h's. */
+/** What modules/motion.c, motion_prepared.c and motion_report.c share, and nobody else; the contract is motion.h's. */
 #ifndef MODULES_MOTION_STATE_H
 #define MODULES_MOTION_STATE_H
 
@@ -21,6 +21,23 @@ struct motion {
 };
 
 extern struct motion motions[AXIS_COUNT];
+
+/** Other legs follow the present one; and let there be none. */
+static inline bool motion_is_under_way(const struct motion *m)
+{
+    return m->leg < m->move.via_count;
+}
+
+static inline void motion_forget_legs(struct motion *m)
+{
+    m->leg = m->move.via_count;
+}
+
+/** Tell the owner of a claimed axis that its motion has ended early. */
+void motion_tell(unsigned axis, enum motion_end why);
+
+/** A turn of the main loop: take notice of what the interrupt did with an axis. */
+void motion_report(unsigned axis);
 
 /** Whether `owner` gets the axis when it asks; and take it, telling the one it is taken from. */
 bool motion_may_take(unsigned axis, const struct motion_owner *owner);
