@@ -141,6 +141,36 @@ async def either_pin_and_either_edge_trigger(dut, pin, falling):
 
 
 @cocotb.test(timeout_time=1, timeout_unit="ms")
+@cocotb.parametrize(pin=["in0", "out0"])
+async def the_latch_comes_four_clocks_after_the_sample_and_the_filter(dut, pin):
+    """Whichever pin; positions and time are the number of the clock."""
+    trigger = await begin(dut)
+    await trigger.configure(config(ENABLE, OUTPUT * (pin == "out0")))
+    filters, clock = [0, 1, 9, 15], 0
+    for n, samples in enumerate(filters):
+        getattr(dut, f"filter__{n}").value = samples
+
+    async def hold(level, clocks):
+        nonlocal clock
+        getattr(dut, pin).value = level
+        for _ in range(clocks):
+            clock += 1
+            dut.time.value = clock
+            for n in range(AXES):
+                getattr(dut, f"count__{n}").value = clock
+            await FallingEdge(dut.fast_clk)
+
+    await FallingEdge(dut.fast_clk)
+    for rest in 40, 41, 42, 43:
+        await hold(0, rest)
+        sampled = clock + 1                     # at the end of the next clock
+        trigger.waiting.append([sampled + 3, *(sampled + 4 + samples for samples in filters)])
+        await hold(1, 30)
+    await hold(0, 40)
+    await trigger.check()
+
+
+@cocotb.test(timeout_time=1, timeout_unit="ms")
 async def a_setting_is_no_pulse(dut):
     """Another polarity or pin makes the level that is looked at jump, and nothing of it."""
     trigger = await begin(dut)
