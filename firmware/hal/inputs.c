@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "hal/inputs.h"
 
+#include <stddef.h>
+
 #include "regs.h"
 
 void inputs_read(struct inputs *inputs)
@@ -16,7 +18,7 @@ void inputs_read(struct inputs *inputs)
     inputs->in1 = (levels & REG_INPUTS_LEVELS_IN1_MASK) != 0;
 }
 
-bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges)
+bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges, void (*rose)(void))
 {
     static const struct {
         uint32_t rose, fell, level;
@@ -30,6 +32,8 @@ bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges)
 
     if (seen == 0)
         return false;
+    if (rose != NULL && (seen & masks[pin].rose) != 0)
+        rose();
     /* Cleared first: an edge from here on is asked for again. */
     inputs_edges_write(seen);
     edges->rose = (seen & masks[pin].rose) != 0;

@@ -26,8 +26,13 @@ struct inputs_edges {
     uint32_t at_cycles; /* of the last edge: the timer's count (hal/timer.h) */
 };
 
-/** Take the edges. False: none. However short a pulse was, it is both. */
-bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges);
+/**
+ * Take the edges. False: none. However short a pulse was, it is both.
+ *
+ * @param rose  Called when one of them rose, before they are taken: who looks for them in an
+ *              interrupt is told meanwhile; or NULL.
+ */
+bool inputs_take_edges(enum inputs_ttl pin, struct inputs_edges *edges, void (*rose)(void));
 
 /** IN0 has risen since its edges were last taken; takes nothing. For the tick interrupt. */
 bool inputs_in0_has_risen(void);

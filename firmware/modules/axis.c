@@ -244,6 +244,12 @@ void axis_trigger_hold(void)
     axis_trigger_held = true;
 }
 
+void axis_trigger_notice(void)
+{
+    if (axis_trigger_watched && !axis_trigger_held)
+        axis_trigger_fired = true;
+}
+
 void axis_trigger_fire(void)
 {
     axis_trigger_fired = true;

@@ -169,11 +169,14 @@ enum axis_handover axis_handover(unsigned axis);
 /** As axis_hand_over, but the plan waits for the trigger. */
 void axis_arm(unsigned axis, uint32_t generation, bool commanded);
 
-/** Look at IN0 each tick, or not. An edge that inputs_take_edges has not taken counts as well. */
+/** Look at IN0 each tick, or not: at edges that inputs_take_edges has not taken, so it tells of them. */
 void axis_trigger_watch(bool watch);
 
 /** While it is held the rising of IN0 begins nothing. In any context; axis_trigger_watch ends it. */
 void axis_trigger_hold(void);
+
+/** IN0 rose, and the main loop takes its edge before a tick has seen it. */
+void axis_trigger_notice(void);
 
 /** The next tick begins what is armed, as if IN0 had risen. */
 void axis_trigger_fire(void);

@@ -9,6 +9,7 @@
 #include "hal/serial.h"
 #include "hal/snapshot.h"
 #include "hal/timer.h"
+#include "modules/axis.h"
 #include "modules/coordinates.h"
 
 /* `fast` clocks in one of the timer's. */
@@ -28,12 +29,12 @@ uint64_t inputs_time_fast(uint32_t at_cycles)
 
 /* --- Edges ------------------------------------------------------------------------------------ */
 
-static void publish(enum event_name name, enum inputs_ttl pin)
+static void publish(enum event_name name, enum inputs_ttl pin, void (*rose)(void))
 {
     struct inputs_edges edges;
     uint64_t time_fast;
 
-    if (!inputs_take_edges(pin, &edges))
+    if (!inputs_take_edges(pin, &edges, rose))
         return;
     time_fast = inputs_time_fast(edges.at_cycles);
     /* Both: a pulse that ended where it began. Its first edge is stamped like its last. */
@@ -44,8 +45,8 @@ static void publish(enum event_name name, enum inputs_ttl pin)
 
 static void poll(void)
 {
-    publish(EVENT_TRIGGER_IN, INPUTS_IN0);
-    publish(EVENT_IN1, INPUTS_IN1);
+    publish(EVENT_TRIGGER_IN, INPUTS_IN0, axis_trigger_notice);
+    publish(EVENT_IN1, INPUTS_IN1, NULL);
 }
 
 /* --- Analog inputs ---------------------------------------------------------------------------- */
@@ -109,7 +110,7 @@ static void init(void)
     struct inputs_edges edges;
 
     for (unsigned pin = 0; pin < INPUTS_TTL_COUNT; pin++)
-        (void)inputs_take_edges((enum inputs_ttl)pin, &edges);
+        (void)inputs_take_edges((enum inputs_ttl)pin, &edges, NULL);
     adc_enable();
     serial_set_rate(identity_clock_rate_hz(), inputs_rate_bits_per_s());
 }

@@ -86,6 +86,24 @@ TEST(the_tick_that_sees_the_edge_drives)
     }
 }
 
+TEST(an_edge_that_the_main_loop_takes_before_a_tick_counts_in_the_next_tick)
+{
+    start();
+    SEND("R Z=20", DONE);
+    SEND("TTL X=2", DONE);
+    CHECK(machine_wait());
+    machine_run(500);
+    edge();
+    rig_turn();
+    axis_tick();
+    CHECK(pwm_duty_read(Z) != 0);
+    machine_run(10);
+    CHECK_TARGET('Z', 40);
+    CHECK(machine_wait());
+    machine_run(100);
+    CHECK_TARGET('Z', 40);
+}
+
 TEST(bare_rm_takes_the_plan_that_is_there)
 {
     start();
@@ -326,7 +344,9 @@ TEST(a_move_or_a_halt_between_points_ends_it)
     }
 }
 
-TEST_MAIN(RUN(the_tick_that_sees_the_edge_drives); RUN(bare_rm_takes_the_plan_that_is_there);
+TEST_MAIN(RUN(the_tick_that_sees_the_edge_drives);
+          RUN(an_edge_that_the_main_loop_takes_before_a_tick_counts_in_the_next_tick);
+          RUN(bare_rm_takes_the_plan_that_is_there);
           RUN(a_line_puts_the_plan_in_doubt_until_it_is_looked_at_again);
           RUN(an_axis_that_still_settles_begins_too);
           RUN(settings_that_make_another_plan_make_it); RUN(all_axes_of_a_step_begin_or_none);
