@@ -76,7 +76,7 @@ class LedPeripheral(wiring.Component):
     Members
     -------
     bus : In(csr)
-    led : Out(1), fast
+    light : Out(1), fast
         The modulation, for the pin router.
     """
 
@@ -106,7 +106,7 @@ class LedPeripheral(wiring.Component):
         self._control = registers.add(self.Control, offset=0x8)
         self._status = registers.add(self.Status, offset=0xc)
         memory_map = registers.finish()
-        super().__init__({"bus": In(registers.bus_signature), "led": Out(1)})
+        super().__init__({"bus": In(registers.bus_signature), "light": Out(1)})
         self.bus.memory_map = memory_map
 
     def elaborate(self, platform):
@@ -128,6 +128,6 @@ class LedPeripheral(wiring.Component):
             ]
         m.d.comb += [
             handover.payload.eq(wanted), handover.request.eq(loaded), pwm.settings.eq(handover.o),
-            self._status.f.busy.r_data.eq(load | loaded | ~handover.ready), self.led.eq(pwm.level),
+            self._status.f.busy.r_data.eq(load | loaded | ~handover.ready), self.light.eq(pwm.level),
         ]
         return m

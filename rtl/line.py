@@ -68,7 +68,7 @@ class ScanLine(wiring.Component):
     command : In(LineCommand), command_stb : In(1)
         ``command_stb`` takes effect on the line at once; ``command`` is still until the next one.
     live : In(LiveSettings)
-    led : In(1)
+    light : In(1)
         One more source for the pins, from a flip-flop: shows 2 clocks later.
     report : Out(LineReport)
     out0, sync_out, encoder_out : Out(1)
@@ -78,7 +78,7 @@ class ScanLine(wiring.Component):
     def __init__(self):
         super().__init__({
             **{f"step{n}": In(StepStream()) for n in range(AXES)},
-            "command": In(LineCommand), "command_stb": In(1), "live": In(LiveSettings), "led": In(1),
+            "command": In(LineCommand), "command_stb": In(1), "live": In(LiveSettings), "light": In(1),
             "report": Out(LineReport),
             "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
         })
@@ -127,7 +127,7 @@ class ScanLine(wiring.Component):
 
         # Clocks 5 and 6: pins.
         m.d.comb += [
-            router.routes.eq(self.live.routes), router.led.eq(self.led),
+            router.routes.eq(self.live.routes), router.light.eq(self.light),
             self.out0.eq(router.out0), self.sync_out.eq(router.sync_out), self.encoder_out.eq(router.encoder_out),
         ]
 
@@ -162,7 +162,7 @@ class LinePeripheral(wiring.Component):
     compare_bus, divider_bus, router_bus : In(csr)
         See :class:`ComparePeripheral`, :class:`DividerPeripheral` and :class:`RouterPeripheral`.
     step0 to step3 : In(StepStream()), fast
-    led : In(1), fast
+    light : In(1), fast
         See :class:`ScanLine`.
     interrupt : Out(1)
         Level.
@@ -179,7 +179,7 @@ class LinePeripheral(wiring.Component):
             "divider_bus": In(self._divider.bus.signature.flip()),
             "router_bus": In(self._router.bus.signature.flip()),
             **{f"step{n}": In(StepStream()) for n in range(AXES)},
-            "led": In(1), "interrupt": Out(1), "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
+            "light": In(1), "interrupt": Out(1), "out0": Out(1), "sync_out": Out(1), "encoder_out": Out(1),
         })
         for name in ("compare", "divider", "router"):
             getattr(self, f"{name}_bus").memory_map = getattr(self, f"_{name}").bus.memory_map
@@ -196,7 +196,7 @@ class LinePeripheral(wiring.Component):
             connect(m, flipped(getattr(self, f"step{n}")), getattr(line, f"step{n}"))
         m.d.comb += [
             self.out0.eq(line.out0), self.sync_out.eq(line.sync_out), self.encoder_out.eq(line.encoder_out),
-            line.led.eq(self.led), self.interrupt.eq(compare.interrupt), divider.arm.eq(compare.arm & ~compare.disarm),
+            line.light.eq(self.light), self.interrupt.eq(compare.interrupt), divider.arm.eq(compare.arm & ~compare.disarm),
         ]
 
         # Commands go one at a time; of those that wait, the last counts.  A refused arming only ends the line.

@@ -41,14 +41,14 @@ class PinRouter(wiring.Component):
     Members
     -------
     routes : In(Routes)
-    sync, pixel, direct, led : In(1)
+    sync, pixel, direct, light : In(1)
         Sources.
     out0, sync_out, encoder_out : Out(1)
         Pins.  0 at reset.
     """
 
     def __init__(self):
-        super().__init__({"routes": In(Routes), "sync": In(1), "pixel": In(1), "direct": In(1), "led": In(1),
+        super().__init__({"routes": In(Routes), "sync": In(1), "pixel": In(1), "direct": In(1), "light": In(1),
                           **{pin: Out(1) for pin in PINS}})
 
     def elaborate(self, platform):
@@ -58,7 +58,7 @@ class PinRouter(wiring.Component):
             level = Signal(name=f"{pin}_level")
             with m.Switch(route.source):
                 for source, value in ((Source.HIGH, 1), (Source.SYNC, self.sync), (Source.PIXEL, self.pixel),
-                                      (Source.DIRECT, self.direct), (Source.LED, self.led)):
+                                      (Source.DIRECT, self.direct), (Source.LED, self.light)):
                     with m.Case(source.value):
                         m.d.comb += level.eq(value)
             routed = Signal(name=f"{pin}_routed")

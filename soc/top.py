@@ -220,7 +220,7 @@ class Abbe(wiring.Component):
             trigger.in0.eq(self.in0), trigger.out0.eq(line.out0), trigger.time.eq(snapshot.time),
             parts["classifier"].pin.eq(self.in0),
         ]
-        m.d.comb += line.led.eq(parts["led"].led)
+        m.d.comb += line.light.eq(parts["led"].light)
         for n in range(AXES):
             encoder = parts[f"quadrature{n}"]
             m.d.comb += [

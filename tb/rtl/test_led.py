@@ -92,8 +92,8 @@ class Lamp:
 
     async def _record(self):
         while True:
-            await ValueChange(self.dut.led)
-            self.edges.append((int(get_sim_time("ps")), int(self.dut.led.value)))
+            await ValueChange(self.dut.light)
+            self.edges.append((int(get_sim_time("ps")), int(self.dut.light.value)))
 
     async def light(self, period, on):
         """Returns the time at which the write of ``load`` ends."""
