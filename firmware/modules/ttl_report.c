@@ -35,7 +35,8 @@ enum { MAIN_PORT_BYTES = 64 };
 /* Losses less than this apart are one entry in the log. */
 #define SAME_LOSS_FAST (EVENTS_FAST_PER_S / 10)
 
-#define RATE_MAX 6250000.0
+/* A record then takes the line three times as long as the interrupt. */
+#define RATE_MAX 2000000.0
 
 static double format, port, rate_bits_per_s, falling, packets;
 static bool selected; /* as the mode of IN0 */
@@ -264,7 +265,7 @@ static const struct parameter parameters[] = {
     {
         .command = "TTLREPORT", .letter = 'Y', .type = PARAMETER_INTEGER, .unit = "bit/s",
         .minimum = 0, .maximum = RATE_MAX, .initial = 0, .value = &rate_bits_per_s,
-        .check = check_rate, .taken = "0, 9600 ... 6250000", .set = changed, .saved = SAVED_BY_SS,
+        .check = check_rate, .taken = "0, 9600 ... 2000000", .set = changed, .saved = SAVED_BY_SS,
         .summary = "Rate of the report port; 0: as the main port.",
     },
     {

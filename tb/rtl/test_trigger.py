@@ -17,6 +17,7 @@ from tb.models.encoder import CIRCLE
 
 AXES = 4
 FILTERS = 1 << FILTER_BITS
+STEP = 0x9e37_79b9_7f4a_7c15        # of the time, in each clock: every bit of it moves
 
 
 class Bench(wiring.Component):
@@ -34,7 +35,7 @@ class Bench(wiring.Component):
         m = Module()
         m.submodules.capture = capture = self._capture
         m.submodules.sync = FFSynchronizer(self.pin, capture.level, o_domain="fast")
-        m.d.fast += self.time.eq(self.time + 1)
+        m.d.fast += self.time.eq(self.time + STEP)
         m.d.comb += [
             capture.settings.minimum.eq(self.minimum), capture.settings.enable.eq(1),
             capture.time.eq(self.time), self.record.eq(capture.record), self.moment.eq(capture.o.moment),
@@ -93,7 +94,7 @@ class Pins:
         for _ in range(clocks):
             # ``time`` is what the capture sees in this clock, whose end takes the sample; 3 clocks later it is kept.
             places = await self._sample(pin, still)
-            first = first or (places, self.clock + 3)
+            first = first or (places, (self.clock + 3) * STEP % (1 << 64))
             self.clock += 1
             if self.dut.record.value:
                 self.seen.append((tuple(getattr(self.dut, f"count{n}").value.to_signed() for n in range(AXES)),
