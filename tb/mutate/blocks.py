@@ -9,8 +9,9 @@ from rtl.line import ScanLine
 from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadratureDecoder
 from rtl.snapshot import SnapshotPeripheral
-from tb.formal import classifier, compare, divider, quadrature
-from tb.rtl import test_classifier
+from rtl.trigger import TriggerPeripheral
+from tb.formal import classifier, compare, divider, quadrature, trigger
+from tb.rtl import test_classifier, test_trigger
 
 __all__ = ["BLOCKS", "Block", "Suite"]
 
@@ -52,4 +53,7 @@ BLOCKS = (
                 for threshold in test_classifier.THRESHOLDS),
           proofs=(classifier.EveryPulseIsJudgedOnce,)),
     Block("batch", DecisionBatch, (Suite("test_classifier", "batches"),), proofs=(classifier.DecisionsKeepTheirOrder,)),
+    Block("trigger", test_trigger.Bench, (Suite("test_trigger", "records"), Suite("test_trigger", "any_two")),
+          part="dut.capture", proofs=(trigger.ARecordIsOnePulse, trigger.ARecordIsOneSample)),
+    Block("record queue", lambda: TriggerPeripheral(depth=6), (Suite("test_trigger_registers"),), part="dut.queue"),
 )

@@ -79,8 +79,11 @@ def listed(directory):
 def noticed_by_tests(directory, number, suites):
     """The first test that fails with this mutant, or None.  ``suites``: ``[(module, regular expression, environment)]``."""
     for module, tests, env in suites:
-        failed = verilated.failures(directory, module, label=f"mutant-{number}", tests=tests,
-                                    env={"COCOTB_MAX_FAILURES": "1", **env}, plusargs=[f"+mutant={number}"])
+        try:
+            failed = verilated.failures(directory, module, label=f"mutant-{number}", tests=tests,
+                                        env={"COCOTB_MAX_FAILURES": "1", **env}, plusargs=[f"+mutant={number}"])
+        except RuntimeError:            # Verilator stops where two cases of one hold, which are exclusive
+            return "simulation"
         if failed:
             return failed[0]
     return None
