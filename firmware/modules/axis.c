@@ -210,6 +210,7 @@ void axis_hand_over(unsigned axis, uint32_t generation, uint64_t tick, bool comm
     a->handover.plan = preparations[axis].spare;
     a->handover.generation = generation;
     a->handover.tick = (uint32_t)tick;
+    a->handover.triggered = false;
     a->handover.commanded = commanded;
     atomic_signal_fence(memory_order_release);
     a->handover.state = AXIS_HANDOVER_PENDING;

@@ -17,6 +17,7 @@ struct handover {
     uint32_t generation;
     const struct profile_plan *plan;
     bool commanded;
+    bool triggered; /* it drives from its first tick on */
 };
 
 /* What every tick touches stands together and comes first: the data cache is small. */

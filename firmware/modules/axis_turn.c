@@ -40,7 +40,9 @@ bool axis_begin(struct axis *a)
     }
     profile_begin(&a->profile, h->plan);
     loop_track(a->config, &a->loop, h->commanded);
-    loop_feed(a->config, &a->loop, &a->profile, !a->limit_lower, !a->limit_upper);
+    /* Others get it with their turn: of four axes at once it takes 500 clocks. */
+    if (h->triggered)
+        loop_feed(a->config, &a->loop, &a->profile, !a->limit_lower, !a->limit_upper);
     a->generation++;
     a->begin_tick = axis_ticks();
     note_switches(a);
@@ -74,6 +76,7 @@ void axis_trigger(void)
         if (h->state != AXIS_HANDOVER_ARMED)
             continue;
         h->tick = axis_tick_count;
+        h->triggered = true;
         h->state = all ? AXIS_HANDOVER_PENDING : AXIS_HANDOVER_LATE;
     }
     if (all)
