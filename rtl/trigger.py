@@ -79,7 +79,7 @@ class TriggerCapture(wiring.Component):
         self._axes = axes
         # State, for proofs.  ``was``: the level a clock ago.  ``idle``: a rise begins a pulse.  ``pulse``: it has to
         # last for ``left`` more clocks.  Neither: a pause has to.
-        self._was, self._idle, self._pulse = Signal(init=1), Signal(), Signal()
+        self._was, self._idle, self._pulse, self._last = Signal(init=1), Signal(), Signal(), Signal()
         self._left = Signal(MINIMUM_BITS, init=MINIMUM)
         self._filters = [Signal(FILTER_BITS, name=f"filter{n}") for n in range(axes)]     # as of the last rise
         super().__init__({
@@ -92,21 +92,23 @@ class TriggerCapture(wiring.Component):
         m = Module()
         idle, pulse, left, minimum = self._idle, self._pulse, self._left, self.settings.minimum
         m.d.fast += [self._was.eq(self.level), self.record.eq(0)]
-        rise, last = Signal(), Signal()
-        m.d.comb += [rise.eq(idle & self.level & ~self._was & self.settings.enable), last.eq(left == 1)]
+        # What is left is reckoned where nobody looks, while idle and behind a broken pulse, so that it need not know.
+        rise, last = Signal(), self._last
+        m.d.comb += rise.eq(idle & self.level & ~self._was & self.settings.enable)
+        m.d.fast += last.eq((left == 2) & ~idle & (pulse | ~self.level))
+        with m.If(idle):
+            m.d.fast += left.eq(minimum - 1)
+        with m.Elif(Mux(pulse, last, self.level)):
+            m.d.fast += left.eq(minimum)
+        with m.Else():
+            m.d.fast += left.eq(left - 1)
 
         with m.If(pulse):
-            m.d.fast += [left.eq(left - 1), pulse.eq(self.level & ~last)]
-            with m.If(~self.level):
-                m.d.fast += idle.eq(1)
-            with m.Elif(last):
-                m.d.fast += [self.record.eq(1), left.eq(minimum)]
+            m.d.fast += [pulse.eq(self.level & ~last), idle.eq(~self.level), self.record.eq(self.level & last)]
         with m.Elif(rise):
-            m.d.fast += [idle.eq(0), pulse.eq(1), left.eq(minimum - 1)]
+            m.d.fast += [idle.eq(0), pulse.eq(1)]
         with m.Elif(~idle):
-            m.d.fast += [left.eq(left - 1), idle.eq(~self.level & last)]
-            with m.If(self.level):
-                m.d.fast += left.eq(minimum)
+            m.d.fast += idle.eq(~self.level & last)
 
         # A glitch's strobes are still on their way as the next pulse begins; those of the pulse come last.
         age = Signal(1 << FILTER_BITS)              # bit k: a pulse began k + 1 clocks ago

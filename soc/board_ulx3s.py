@@ -43,9 +43,9 @@ class Ulx3s85F(Ulx3s):
 
 
 class Ulx3s25F(Ulx3s):
-    """A check of area and timing: its 56 EBR hold a quarter of the RAM, too little for the whole firmware."""
+    """A check of area and timing: beside caches and queues its 56 EBR hold 16 KiB of RAM, too little for the firmware."""
     name, device = "ulx3s-25f", "LFE5U-25F"
-    ram_bytes = 64 << 10
+    ram_bytes = 16 << 10
 
 
 BOARDS = (Ulx3s85F, Ulx3s25F)

@@ -36,7 +36,8 @@ from tb import toolchain
 
 __all__ = ["Flow", "TimingMissed", "board", "boards", "chip"]
 
-FAST_MODULES = "*.quadrature*.decoder *.line.line *.led.pwm *.snapshot.timestamp *.trigger.capture"
+FAST_MODULES = ("*.quadrature*.decoder *.line.line *.snapshot.timestamp *.trigger.capture *.classifier.input "
+                "*.classifier.queue.gather *.led.pwm")
 """Modules with the logic of ``fast``, each mapped to LUTs by itself: yosys saves area wherever logic is not as deep as
 the deepest of its module, and beside the processor that would be everywhere."""
 

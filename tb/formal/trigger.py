@@ -62,7 +62,8 @@ class ARecordIsOneSample(Proof):
             ]
         m.d.comb += [
             Assert(~dut.record | (dut.o.moment[:3] == moment)), Cover(dut.record & (chosen == -2)),
-            *self.lemmas(dut._was == was, ~dut._pulse | ((age == dut.settings.minimum - dut._left) & (dut._left != 0))),
+            *self.lemmas(dut._was == was, dut._idle | (dut._last == (dut._left == 1)), ~(dut._idle & dut._pulse),
+                         ~dut._pulse | ((age == dut.settings.minimum - dut._left) & (dut._left != 0))),
         ]
 
 
@@ -76,8 +77,8 @@ class ARecordIsOnePulse(Proof):
     widths = "minimum 8"
     bugs = {
         "a clock too short": ("left.eq(minimum - 1)", "left.eq(minimum - 2)"),
-        "a pause with a break": ("with m.If(self.level):\n", "with m.If(0):\n"),
-        "a glitch makes a pause": ("m.d.fast += idle.eq(1)", "m.d.fast += idle.eq(0)"),
+        "a pause with a break": ("Mux(pulse, last, self.level)", "pulse & last"),
+        "a glitch makes a pause": ("idle.eq(~self.level),", "idle.eq(0),"),
         "a pulse without end": ("pulse.eq(self.level & ~last)", "pulse.eq(self.level)"),
     }
 
@@ -107,7 +108,8 @@ class ARecordIsOnePulse(Proof):
         m.d.formal += since.eq(Mux(dut.record, 1, since + (since != 511)))
         m.d.comb += [
             Assert(dut.record == register(m, 1, whole)), Assert(~dut.record | (since == 511) | (since >= 2 * minimum)),
-            *self.lemmas(dut._was == level_before, dut._idle == rested, dut._pulse == counted, ~(rested & counted)),
+            *self.lemmas(dut._was == level_before, dut._idle == rested, dut._pulse == counted, ~(rested & counted),
+                         rested | ~started | (dut._last == (dut._left == 1))),
             Cover(dut.record),
         ]
         if self._with_lemmas:

@@ -23,7 +23,8 @@ SPINE = {"identity", "bus", "inputs", "serial", "timer", "snapshot", "pwm", "lin
 
 
 FAST_MODULES = {*(f"controller.quadrature{n}.decoder" for n in range(4)), "controller.line.line",
-                "controller.led.pwm", "controller.snapshot.timestamp", "controller.trigger.capture"}
+                "controller.snapshot.timestamp", "controller.trigger.capture", "controller.classifier.input",
+                "controller.classifier.queue.gather", "controller.led.pwm"}
 
 
 @pytest.fixture(scope="module")
