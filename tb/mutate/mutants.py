@@ -36,13 +36,9 @@ def _modules(directory, name, part):
     return chosen
 
 
-def _cells(directory, name, part, listing=None):
-    """yosys commands that read a file and make cells of ``part`` alone; ``listing`` is a file for their names."""
-    modules = _modules(directory, name, part)
-    commands = f"read_rtlil {name}; proc {' '.join(modules)}; opt_clean {' '.join(modules)}"
-    if listing:
-        commands += f"; select -write {listing} {' '.join(f'{module}/t:*' for module in modules)}"
-    return commands
+def _cells(directory, name, part):
+    """yosys commands that read a file and make cells of ``part`` alone."""
+    return f"read_rtlil {name}; proc {' '.join(_modules(directory, name, part))}"
 
 
 def build(rtlil, part, *, count, seed=1):
@@ -53,7 +49,7 @@ def build(rtlil, part, *, count, seed=1):
         _write(directory, "dut.il", rtlil)
         modules = " ".join(_modules(directory, "dut.il", part))
         toolchain.yosys(
-            f"{_cells(directory, 'dut.il', part, 'cells.txt')}; "
+            f"{_cells(directory, 'dut.il', part)}; opt_clean {modules}; "
             f"mutate -list {count} -seed {seed} -ctrl mutant {bits} 1 -o mutants.ys {modules}; "
             "hierarchy -top dut; proc; script mutants.ys; opt_clean; memory_collect; write_verilog -noattr dut.v",
             cwd=directory)
