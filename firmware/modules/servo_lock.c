@@ -23,15 +23,16 @@ enum { CODE_ENGAGE = 'T', CODE_DISENGAGE = 'Z' };
 /* What LK X? answers, in CRISP's letters. */
 enum { LETTER_ENGAGED = 'T', LETTER_IDLE = 'I' };
 
-/* Decisions of a tick at most, and how many leave room for one batch more: 23 to 31 each 100 us. */
-enum { DECISIONS_MAX = 31, DECISIONS_FULL = DECISIONS_MAX - 8 };
+/* Decisions with which a tick takes no further batch, for up to two axes and for more: 110 000 a second
+ * pass for ever, or 40 000, and axes at their fences have their time (docs/timing.md). */
+enum { ENOUGH_FOR_TWO = 11, ENOUGH_FOR_MORE = 4 };
 
 /* Ticks after which what crossed as the classifier stopped can be taken. */
 #define TICKS_TO_DRAIN 2u
 
 #define FAST_NS 5.0
 #define COUNT_Q32 0x1p32
-#define STEP_COUNTS_MAX 0x1p30
+#define STEP_COUNTS_MAX 0x1p29
 
 static double threshold_ms, range_mm, at_threshold, filter_ns;
 
@@ -46,7 +47,7 @@ struct axis_lock {
     struct fence fence;
     int64_t target_q32;
 };
-static unsigned axes;
+static unsigned axes, enough;
 static struct axis_lock locks[AXIS_COUNT];
 static int64_t steps_q32[2][AXIS_COUNT];
 static const int64_t *volatile steps = steps_q32[0];
@@ -60,21 +61,23 @@ bool servo_lock_has(unsigned axis)
 /* --- The tick interrupt ------------------------------------------------------------------------ */
 
 /* Decisions that wait, in a word with a 1 before them. */
-static uint32_t take(void)
+static inline uint32_t take(void)
 {
     uint32_t taken = 1, batch;
 
-    while (taken >> (DECISIONS_FULL + 1) == 0 && (batch = classifier_take()) > 1) {
-        const unsigned count = fence_count(batch);
+    while (taken >> enough == 0 && (batch = classifier_take()) > 1) {
+        uint32_t first = 2; /* above the first decision */
 
-        taken = taken << count | (batch ^ UINT32_C(1) << count);
+        for (taken <<= 1; batch >= 2 * first; first <<= 1)
+            taken <<= 1;
+        taken |= batch ^ first;
     }
     return taken;
 }
 
 static void tick(void)
 {
-    const uint32_t taken = take();
+    const struct decisions taken = fence_decisions(take());
     const int64_t *const by_q32 = steps;
     uint32_t cut = 0;
 
@@ -83,13 +86,11 @@ static void tick(void)
 
         if ((axes & MOTION_AXIS(axis)) == 0)
             continue;
-        if (taken != 1)
-            cut |= fence_walk(&lock->fence, &lock->target_q32, by_q32[axis], taken);
+        if (taken.count != 0 && by_q32[axis] != 0)
+            cut |= fence_walk(&lock->fence, &lock->target_q32, by_q32[axis], &taken);
         axis_aim(axis, lock->target_q32);
     }
-    if (taken == 1)
-        return;
-    pulses = pulses + fence_count(taken);
+    pulses = pulses + taken.count;
     for (; cut != 0; cut &= cut - 1)
         clipped = clipped + 1;
 }
@@ -201,9 +202,13 @@ static bool engage(void)
         motion_release(axes, &owner);
         return false;
     }
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        if ((axes & MOTION_AXIS(axis)) != 0)
+    enough = ENOUGH_FOR_TWO;
+    for (unsigned axis = 0, count = 0; axis < AXIS_COUNT; axis++)
+        if ((axes & MOTION_AXIS(axis)) != 0) {
             fence_in(axis);
+            if (++count > 2)
+                enough = ENOUGH_FOR_MORE;
+        }
     set_steps();
     move_take_relative(set_steps);
     pulses = 0;

@@ -250,6 +250,7 @@ TEST(pulses_during_a_move_act_when_it_is_over)
     pulses("sss");
     machine_run(10);
     SEND("/", "B\r\n");
+    CHECK(target(0) > 0 && target(0) < 50 * COUNTS_PER_UM); /* on its way, undisturbed */
     CHECK(machine_wait());
     CHECK(fabs(target(0) / COUNTS_PER_UM - 104) < 0.05);
     CHECK(fabs(target(1) / COUNTS_PER_UM - 104) < 0.05);
