@@ -80,6 +80,9 @@ soak: $(READY) ## A million commands without a pause into the virtual controller
 bench: $(READY) ## How fast and how well the servo moves four lead screws, beside the original; build/bench/motion.json
 	@$(PYTHON) -m tb.bench
 
+bench-timing: $(READY) ## Every figure of the timing modules at the pins, beside the original; build/bench/timing.json [ARGS=group...]
+	@$(PYTHON) -m tb.bench.timing $(ARGS)
+
 test-gates-soc: $(READY) ## The product's whole netlist, with its firmware, from configuration to its first replies
 	@GATES_SOC=1 $(PYTEST) --timeout 0 tb/gates/test_soc.py
 
@@ -133,4 +136,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench bench-timing test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean
