@@ -34,6 +34,7 @@ class Setting:
     high: str
     decimals: int = 0
     a_last: bool = False        # answers ':X=1 A', not ':A X=1'
+    distinct: tuple = ()        # no two letters may have the same value; what they have at the start
     outside: tuple = ()         # values that are refused
 
 
@@ -49,7 +50,7 @@ SETTINGS = (
     Setting("SETLOW", "SL", AXES, "-110", "-60", 3, outside=("-100001",)),
     Setting("SETUP", "SU", AXES, "60", "110", 3, outside=("1e300",)),
     Setting("RUNAWAY", "RU", "XYZ", "2", "1000", 6, outside=("0", "1e4")),
-    Setting("LLADDR", "LL", AXES, "0", "254", outside=("255", "-1")),
+    Setting("LLADDR", "LL", AXES, "0", "254", distinct=(24, 25, 26, 27), outside=("255", "-1")),
     Setting("RTIME", "RT", "X", "20", "32700", outside=("19", "32701")),
     Setting("RTIME", "RT", "YZ", "0", "32767", outside=("32768",)),
     Setting("JSSPD", "JS", "XYZFT", "1", "100", outside=("0", "101", "-101")),
@@ -135,9 +136,16 @@ class Host:
         while True:
             setting = self.random.choice(SETTINGS)
             values = {letter: self.value(setting) for letter in self.letters(setting)}
+            if setting.distinct and not self.are_new(setting, list(values.values())):
+                continue
             text = self.random.choice((setting.name, setting.shortcut)) + self.assignments(values)
             if len(text) <= LINE_MAX - 30:
                 return setting, values, text
+
+    def are_new(self, setting, values):
+        """No letter has one of them, or has had it from the start, and they differ."""
+        taken = {*setting.distinct, *(value for (name, _), value in self.known.items() if name == setting.name)}
+        return len({*values}) == len(values) and taken.isdisjoint(values)
 
     def keep(self, setting, values):
         self.known |= {(setting.name, letter): value for letter, value in values.items()}
