@@ -35,7 +35,7 @@ enum { MAIN_PORT_BYTES = 64 };
 /* Losses less than this apart are one entry in the log. */
 #define SAME_LOSS_FAST (EVENTS_FAST_PER_S / 10)
 
-/* A record then takes the line three times as long as the interrupt. */
+/* A record then takes the line four times as long as the interrupt, or longer. */
 #define RATE_MAX 2000000.0
 
 static double format, port, rate_bits_per_s, falling, packets;

@@ -221,6 +221,29 @@ def test_records_cost_neither_ticks_nor_replies(reporting, baud, format_):
     assert not log_has(sim, "48") and not log_has(sim, "87")
 
 
+def test_a_record_takes_the_processor_few_clocks(reporting):
+    """Clocks awake for 12 pulses, less those of the same pulses when they mean nothing."""
+    sim, cost = reporting, {}
+
+    def awake(pulses):
+        begin, before = sim.time_ps, sim.clocks[1]
+        for n in range(pulses):
+            time_ps = begin + (n * 4_013 + 100) * US
+            sim.schedule_input(time_ps, "in0", 1)
+            sim.schedule_input(time_ps + US, "in0", 0)
+        sim.run(60 * MS)
+        return sim.clocks[1] - before
+
+    for line in "TTL X=0", "TTL M=0 X=1", "TTL M=1", "TTL M=2":
+        assert sim.command(line) == ":A \r\n"
+        sim.run(20 * MS)
+        cost[line] = awake(0), (awake(12) - awake(0)) / 12
+    nothing = cost.pop("TTL X=0")
+    for line, (idle, pulse) in cost.items():
+        print(f"{line}: {pulse - nothing[1]:.0f} clocks a record, {(idle - nothing[0]) / 60:.0f} a millisecond without any")
+        assert 200 < pulse - nothing[1] < 2500 and idle - nothing[0] < 60 * 1000
+
+
 def test_pulses_at_out0_send_packets(powered):
     """TTL Y=2: a pulse as a move ends; the packet has the place where it ended."""
     sim = powered
