@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import Callable
 
 from rtl.classifier import DecisionBatch, PulseClassifier
+from rtl.led import LedPwm
 from rtl.line import ScanLine
 from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadratureDecoder
 from rtl.snapshot import SnapshotPeripheral
 from rtl.trigger import TriggerPeripheral
-from tb.formal import classifier, compare, divider, quadrature, trigger
+from tb.formal import classifier, compare, divider, led, quadrature, trigger
 from tb.rtl import test_classifier, test_trigger
 
 __all__ = ["BLOCKS", "Block", "Suite"]
@@ -56,4 +57,5 @@ BLOCKS = (
     Block("trigger", test_trigger.Bench, (Suite("test_trigger", "records"), Suite("test_trigger", "any_two")),
           part="dut.capture", proofs=(trigger.ARecordIsOnePulse, trigger.ARecordIsOneSample)),
     Block("record queue", lambda: TriggerPeripheral(depth=6), (Suite("test_trigger_registers"),), part="dut.queue"),
+    Block("led", LedPwm, (Suite("test_led", "three_clocks|exact"),), proofs=(led.EveryPeriodIsHighOnceForItsShare,)),
 )
