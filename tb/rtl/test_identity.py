@@ -6,10 +6,10 @@ import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from rtl.identity import IdentityPeripheral
+from rtl.identity import MAP_VERSION, IdentityPeripheral
 from tb.rtl.register_bus import idle, read, write
 
-EXPECTED = [0x41626265, 2, 0xfedcba98, 50_000_000, 200_000_000]
+EXPECTED = [0x41626265, MAP_VERSION, 0xfedcba98, 50_000_000, 200_000_000]
 ARGUMENTS = {"build_id": 0xfedcba98, "clock_hz": 50_000_000, "fast_clock_hz": 200_000_000}
 
 
