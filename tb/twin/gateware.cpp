@@ -2,6 +2,7 @@
 #include "gateware.h"
 
 #include <algorithm>
+#include <cassert>
 
 namespace twin {
 
@@ -97,6 +98,7 @@ void Gateware::run(Time edge)
             bus_fault_.refuse(write_.address, edge);
     }
     plan();
+    assert(next_ > edge); /* nothing was left to run after the write: the order of each() */
 }
 
 void Gateware::plan()

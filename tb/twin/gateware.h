@@ -75,13 +75,14 @@ public:
 
 private:
     /**
-     * Those to which something happens, in the order in which they run at one edge: who looks at another comes before it.
+     * Those to which something happens, in the order in which they run at one edge: who looks at another comes before
+     * it, and so does who starts another, which would otherwise run after the register write at that edge.
      * By their types, since this is where the model spends its time.
      */
     template <class Act> void each(Act &&act)
     {
-        act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_), act(adc_);
-        act(pwm_), act(snapshot_), act(trigger_), act(line_), act(led_);
+        act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_);
+        act(pwm_), act(adc_), act(snapshot_), act(trigger_), act(line_), act(led_);
         for (Quadrature &quadrature : quadrature_)
             act(quadrature);
     }

@@ -56,7 +56,7 @@ void PinStimulus::happen(Time edge)
 /** Now and then IN0 has a burst of pulses, the shortest that there are. */
 Time PinStimulus::pulse(Time otherwise)
 {
-    if (burst_ == 0 && random_.one_in(10))
+    if (burst_ == 0 && random_.one_in(8))
         burst_ = unsigned(random_.from(1, 60));
     if (burst_ == 0)
         return otherwise;
