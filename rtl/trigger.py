@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A trigger freezes the position of all axes: no matter how they are filtered, as of one sample of the pins."""
 
-from amaranth import Cat, Module, Mux, Shape, Signal, Value, signed, unsigned
+from amaranth import Array, Cat, Module, Mux, Shape, Signal, Value, signed, unsigned
 from amaranth.lib import data, wiring
 from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.fifo import SyncFIFOBuffered
@@ -81,6 +81,7 @@ class TriggerCapture(wiring.Component):
         # last for ``left`` more clocks.  Neither: a pause has to.
         self._was, self._idle, self._pulse, self._last = Signal(init=1), Signal(), Signal(), Signal()
         self._left = Signal(MINIMUM_BITS, init=MINIMUM)
+        self._filters = [Signal(FILTER_BITS, name=f"filter{n}") for n in range(axes)]     # as of the last rise
         super().__init__({
             "level": In(1), "settings": In(TriggerSettings), "filter": In(FILTER_BITS).array(axes),
             "count": In(signed(width)).array(axes), "time": In(64),
@@ -109,16 +110,17 @@ class TriggerCapture(wiring.Component):
         with m.Elif(~idle):
             m.d.fast += idle.eq(~self.level & last)
 
-        # What begins a pulse enters the line of each axis as far from its end as the axis's filter had samples then, and
-        # is alone there: a glitch's strobe that is still on its way is no longer needed.
-        began = Signal()
-        m.d.fast += began.eq(rise)
-        with m.If(began):
+        # A glitch's strobes are still on their way as the next pulse begins; those of the pulse come last.
+        age = Signal(1 << FILTER_BITS)              # bit k: a pulse began k + 1 clocks ago
+        m.d.fast += age.eq(Cat(rise, age))
+        with m.If(age[0]):
             m.d.fast += self.o.moment.eq(self.time)
-        for n in range(self._axes):
-            entry, line = Signal(1 << FILTER_BITS, name=f"entry{n}"), Signal(1 << FILTER_BITS, name=f"line{n}")
-            m.d.fast += [entry.eq(1 << self.filter[n]), line.eq(Mux(began, entry, line >> 1))]
-            with m.If(line[0]):
+        for n, chosen in enumerate(self._filters):
+            with m.If(rise):
+                m.d.fast += chosen.eq(self.filter[n])
+            take = Signal(name=f"take{n}")
+            m.d.fast += take.eq(Array(age)[chosen])
+            with m.If(take):
                 m.d.fast += self.o.counts[n].eq(self.count[n])
         return m
 

@@ -22,11 +22,10 @@ class ARecordIsOneSample(Proof):
     bug_depth = 60
     widths = "2 counts of 2 bits, filters 4, minimum 18 and 19"
     bugs = {
-        "the filter is not waited for": ("1 << self.filter[n]", "1"),
-        "a clock late": ("1 << self.filter[n]", "2 << self.filter[n]"),
-        "the filter of another axis": ("1 << self.filter[n]", "1 << self.filter[0]"),
-        "a glitch's strobe comes last": ("Mux(began, entry, line >> 1)", "Mux(began, entry, 0) | line >> 1"),
-        "the time of the rise itself": ("with m.If(began)", "with m.If(rise)"),
+        "the filter is not waited for": ("Array(age)[chosen]", "age[0]"),
+        "a clock late": ("age.eq(Cat(rise, age))", "age.eq(Cat(age[0], age) << 1 | rise)"),
+        "the filter of now": ("chosen.eq(self.filter[n])", "chosen.eq(self.filter[0])"),
+        "the time of the rise itself": ("with m.If(age[0])", "with m.If(rise)"),
     }
 
     def harness(self, m, block):
@@ -59,6 +58,7 @@ class ARecordIsOneSample(Proof):
             stood = register(m, signed(2), dut.o.counts[n])
             m.d.comb += [
                 Assert(~dut.record | (dut.o.counts[n] == chosen)), Assert(~stands | (dut.o.counts[n] == stood)),
+                *self.lemmas(~dut._pulse | (dut._filters[n] == of_rise)),
             ]
         m.d.comb += [
             Assert(~dut.record | (dut.o.moment[:3] == moment)), Cover(dut.record & (chosen == -2)),
