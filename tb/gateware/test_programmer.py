@@ -33,7 +33,7 @@ def test_the_bitstream_sent_is_that_of_the_report(tmp_path):
 
 
 @pytest.mark.parametrize("name, programmer_name, said", [
-    ("ulx3s-25f", "ulx3s", "256 KiB of RAM and there are 64"), ("ulx3s-85f", None, "does not know the board ulx3s-85f")])
+    ("ulx3s-25f", "ulx3s", "256 KiB of RAM and there are 16"), ("ulx3s-85f", None, "does not know the board ulx3s-85f")])
 def test_a_board_that_can_never_be_sent_to_is_refused_before_anything_is_built(monkeypatch, name, programmer_name, said):
     monkeypatch.setattr(gateware.board(name), "programmer", programmer_name)
     monkeypatch.setattr(programmer, "bitstream", lambda *arguments: pytest.fail("looked for a bitstream"))
