@@ -20,8 +20,8 @@
 
 #include <unistd.h>
 
-#include "machine.h"
 #include "ports.h"
+#include "processor.h"
 
 extern "C" {
 #include "core/settings.h"
@@ -153,6 +153,7 @@ void interrupt()
 
 int run()
 {
+    twin::processor_on(the->machine);
     host_interrupts_on_sleep([] { the->sleep(); });
     host_interrupts_dispatch(interrupt);
     if (!application_init())
@@ -167,19 +168,6 @@ int run()
 }
 
 } // namespace
-
-extern "C" uint32_t mmio_read32(uintptr_t address)
-{
-    const uint32_t value = the->machine.read(uint32_t(address));
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-    return value;
-}
-
-extern "C" void mmio_write32(uintptr_t address, uint32_t value)
-{
-    the->machine.write(uint32_t(address), value);
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-}
 
 int main(int argument_count, char **arguments)
 {

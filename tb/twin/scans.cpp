@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "follower.h"
-#include "machine.h"
+#include "processor.h"
 
 extern "C" {
 #include "core/fault.h"
@@ -197,19 +197,6 @@ bool busy()
 
 } // namespace
 
-extern "C" uint32_t mmio_read32(uintptr_t address)
-{
-    const uint32_t value = the->machine.read(uint32_t(address));
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-    return value;
-}
-
-extern "C" void mmio_write32(uintptr_t address, uint32_t value)
-{
-    the->machine.write(uint32_t(address), value);
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-}
-
 int main(int argument_count, char **arguments)
 {
     if (argument_count < 4) {
@@ -223,6 +210,7 @@ int main(int argument_count, char **arguments)
         return 2;
     }
     the = std::make_unique<Scans>(board, unsigned(std::atoi(arguments[2])), arguments + 3, argument_count - 3);
+    twin::processor_on(the->machine);
     host_interrupts_on_sleep([] { the->sleep(); });
     host_interrupts_dispatch(interrupt);
     if (!application_init())

@@ -16,7 +16,7 @@
 #include <random>
 #include <string>
 
-#include "machine.h"
+#include "processor.h"
 
 extern "C" {
 #include "hal/interrupts.h"
@@ -157,19 +157,6 @@ bool busy()
 
 } // namespace
 
-extern "C" uint32_t mmio_read32(uintptr_t address)
-{
-    const uint32_t value = the->machine.read(uint32_t(address));
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-    return value;
-}
-
-extern "C" void mmio_write32(uintptr_t address, uint32_t value)
-{
-    the->machine.write(uint32_t(address), value);
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-}
-
 int main(int argument_count, char **arguments)
 {
     char error[200];
@@ -187,6 +174,7 @@ int main(int argument_count, char **arguments)
         else
             (query ? the->queries : the->lines).push_back(arguments[n]);
     }
+    twin::processor_on(the->machine);
     host_interrupts_on_sleep([] { the->sleep(); });
     host_interrupts_dispatch(interrupt);
     if (!application_init())

@@ -18,7 +18,7 @@
 #include <random>
 #include <string>
 
-#include "machine.h"
+#include "processor.h"
 
 extern "C" {
 #include "hal/interrupts.h"
@@ -188,19 +188,6 @@ bool busy()
 
 } // namespace
 
-extern "C" uint32_t mmio_read32(uintptr_t address)
-{
-    const uint32_t value = the->machine.read(uint32_t(address));
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-    return value;
-}
-
-extern "C" void mmio_write32(uintptr_t address, uint32_t value)
-{
-    the->machine.write(uint32_t(address), value);
-    host_interrupts_set_cycles(uint32_t(the->machine.now() / twin::SYNC));
-}
-
 int main(int argument_count, char **arguments)
 {
     if (argument_count < 5) {
@@ -217,6 +204,7 @@ int main(int argument_count, char **arguments)
                                   Time(std::atof(arguments[4]) * FAST_CLOCK_HZ / 1e6));
     the->say_where("power");
     the->begin(arguments + 5, argument_count - 5, unsigned(std::atoi(arguments[3])));
+    twin::processor_on(the->machine);
     host_interrupts_on_sleep([] { the->sleep(); });
     host_interrupts_dispatch(interrupt);
     if (!application_init())
