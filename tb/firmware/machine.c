@@ -2,6 +2,8 @@
 #include "machine.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "host/mmio.h"
@@ -86,4 +88,12 @@ bool machine_wait(void)
             return true;
     }
     return false;
+}
+
+double machine_target(char axis)
+{
+    char line[8];
+
+    snprintf(line, sizeof line, "M %c?", axis);
+    return atof(machine_send(line) + 5);
 }

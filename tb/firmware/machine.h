@@ -24,4 +24,15 @@ void machine_run(unsigned ticks);
 /** Run until STATUS says N. False: not within ten seconds. */
 bool machine_wait(void);
 
+/** Where an axis is told to be, user units: the answer to MOVE's query. */
+double machine_target(char axis);
+
+/** To be used with check.h and math.h. */
+#define CHECK_TARGET(axis, user)                                                                   \
+    do {                                                                                           \
+        double check_t = machine_target(axis);                                                     \
+        if (fabs(check_t - (user)) > 2)                                                            \
+            CHECK_FAIL("%c goes to %g, not %g", axis, check_t, (double)(user));                    \
+    } while (0)
+
 #endif

@@ -3,7 +3,6 @@
 #include "check.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/action.h"
 #include "core/events.h"
@@ -32,21 +31,6 @@ static void edge(void)
     panel_ttl(INPUTS_IN0, true, 0);
     panel_ttl(INPUTS_IN0, false, 0);
 }
-
-static double target(char axis)
-{
-    char line[8];
-
-    snprintf(line, sizeof line, "M %c?", axis);
-    return atof(machine_send(line) + 5);
-}
-
-#define CHECK_TARGET(axis, user)                                                                   \
-    do {                                                                                           \
-        double check_t = target(axis);                                                             \
-        if (fabs(check_t - (user)) > 2)                                                            \
-            CHECK_FAIL("%c goes to %g, not %g", axis, check_t, (double)(user));                    \
-    } while (0)
 
 TEST(the_tick_that_sees_the_edge_drives)
 {

@@ -3,7 +3,6 @@
 #include "check.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/action.h"
 #include "core/events.h"
@@ -30,22 +29,6 @@ static void trigger(void)
     events_publish(EVENT_TRIGGER_IN, 0, events_now());
     machine_run(1);
 }
-
-/* Where an axis is told to be, user units. */
-static double target(char axis)
-{
-    char line[8];
-
-    snprintf(line, sizeof line, "M %c?", axis);
-    return atof(machine_send(line) + 5);
-}
-
-#define CHECK_TARGET(axis, user)                                                                   \
-    do {                                                                                           \
-        double check_t = target(axis);                                                             \
-        if (fabs(check_t - (user)) > 2)                                                         \
-            CHECK_FAIL("%c goes to %g, not %g", axis, check_t, (double)(user));                    \
-    } while (0)
 
 static unsigned out0(void)
 {
@@ -259,7 +242,7 @@ TEST(z_stack_steps_are_whole_counts)
     SEND("ZS X=-10000 Y=32767", DONE); /* ends far beyond the travel */
     SEND("TTL X=4", DONE);
     trigger();
-    CHECK(target('Z') > 1e6);
+    CHECK(machine_target('Z') > 1e6);
 }
 
 TEST(reports_positions_in_time)
