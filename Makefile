@@ -16,7 +16,7 @@ help: ## Print this help
 
 setup: $(READY) ## Install the pinned tools (every target does this by itself)
 
-$(READY): requirements.txt host/setup.sh
+$(READY): requirements.txt firmware/libraries.toml host/setup.sh host/sources.py
 	@host/setup.sh
 	@touch $@
 

@@ -38,6 +38,8 @@ need 'test -e /usr/lib/picolibc/riscv64-unknown-elf/picolibc.specs' picolibc-ris
 say "Python packages of requirements.txt into .venv (about 700 MB, once)"
 [ -x .venv/bin/python ] || python3 -m venv .venv
 .venv/bin/python -m pip install --quiet --disable-pip-version-check -r requirements.txt
+say "C libraries of firmware/libraries.toml into .venv/sources"
+.venv/bin/python host/sources.py
 
 # cocotb runs Python inside the simulator, which takes Python's shared library.
 [ -n "$(.venv/bin/find_libpython)" ] ||

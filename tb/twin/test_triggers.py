@@ -95,8 +95,10 @@ def test_every_record_is_where_the_axes_were(seed, setting, decode, pulses, gap_
     for axis in range(AXES):
         assert sum(abs(a.counts[axis] - b.counts[axis]) for a, b in zip(wanted, wanted[1:])) > 20 * pulses
     assert {pulse.edge % 4 for pulse in wanted} == {0, 1, 2, 3}
-    assert replies > pulses / 10
-    print(f"{pulses} records in {(wanted[-1].edge - wanted[0].edge) * 5e-9:.1f} s, {replies} replies meanwhile")
+    # The host had an answer every 4 ms at least, whatever the length of the version that some of them tell.
+    seconds = (wanted[-1].edge - wanted[0].edge) * 5e-9
+    assert replies > seconds / 4e-3
+    print(f"{pulses} records in {seconds:.1f} s, {replies} replies meanwhile")
 
 
 def test_the_line_is_never_idle_while_records_wait(seed):
