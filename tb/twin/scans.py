@@ -32,10 +32,11 @@ class Field:
     every: int = 1
     start: str = "0.0"
     width: str = "0.1"          # of the slow axis
+    settings: tuple = ()
 
     def commands(self):
         stop = Fraction(self.start) + Fraction(self.length)
-        return [f"SCANR X={self.start} Y={float(stop)} Z={self.n}", f"SCANV X=0.0 Y={self.width} Z={self.lines}",
+        return [*self.settings, f"SCANR X={self.start} Y={float(stop)} Z={self.n}", f"SCANV X=0.0 Y={self.width} Z={self.lines}",
                 f"SPEED X={self.speed}", f"SCAN F={int(self.serpentine)}", "TTL X=1", "SCAN"]
 
     def pixels(self):

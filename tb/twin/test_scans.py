@@ -13,6 +13,7 @@ import pytest
 from tb.twin import figures
 from tb.twin.scans import TICK_CLOCKS, Field, exact, run
 
+FAST_HZ = 200_000_000
 FULL = "FULL_LINES" in os.environ
 
 
@@ -61,6 +62,20 @@ def test_the_field_of_the_manual(serpentine):
         Field(lines=40, width=f"{40 / 1891:.6f}", serpentine=serpentine)
     assert field.pixels() == 1891
     assert len(judge(field)) == (20 if FULL else 40)
+
+
+@pytest.mark.parametrize("serpentine, settings, seconds", [
+    (True, (), 2.029), (False, (), 2.311), (False, ("SCANR R=100",), 2.236),
+], ids=["serpentine", "raster", "raster, way back at full speed"])
+def test_a_line_and_the_way_back_take_their_time(serpentine, settings, seconds):
+    """From one SYNC to the next in the field of the manual.  1.893 s are the line's; twice 10 ms of settling, four ramps of 50 ms
+    (half of each is way at the speed of the line) and the step of the slow axis come to it, and 1 mm back at 4.6 or 6.8 mm/s."""
+    lines, *_ = run(Field(lines=5, width=f"{5 / 1891:.6f}", serpentine=serpentine, settings=settings, every=5), 120)
+    syncs = [line[0] for line in lines]
+    # A serpentine's lines begin at either end: two of them are a round.
+    round_s = (syncs[3] - syncs[1]) / 2 / FAST_HZ
+    assert round_s == pytest.approx(seconds, abs=2e-3)
+    print(f"{round_s:.4f} s a line, {round_s * 1891 / 3600:.3f} h for 1891")
 
 
 def test_a_pulse_that_is_a_clock_late_is_seen():
