@@ -8,7 +8,7 @@
 #include "modules/joystick.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
-#include "modules/servo_lock.h"
+#include "modules/servo_lock_run.h"
 
 /* Bits of the status byte. */
 enum {
