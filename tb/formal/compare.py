@@ -38,6 +38,7 @@ class FiresOncePerArming(Proof):
         "one byte is not compared": ("at.eq(equal.all())", "at.eq(equal[1:].all())"),
         "the edge is taken for a count": ("self.settings.reference - reverse", "self.settings.reference"),
         "the borrow is lost": ("Mux(no_borrow, signs[0], signs[1])", "signs[0]"),
+        "the answer comes before the verdict shows": ("self.judged.eq(answering[1])", "self.judged.eq(answering[0])"),
         "a disarming comes too late": ("judging.eq(sampled & ~ending)", "judging.eq(sampled)"),
     }
 
@@ -45,7 +46,8 @@ class FiresOncePerArming(Proof):
         m.submodules.dut = dut = one_clock(block.PositionCompare(), "fast")
         arm, disarm, done = Signal(), Signal(), Signal()
         reference, reverse = Signal(signed(32)), Signal()
-        ending, ended, armed_before = Signal(), Signal(), Signal()
+        ending, armed_before = Signal(), Signal()
+        ended = Signal(3)                       # one clock before, two, three
         moved, up, before, count = stepping(m, armed_before)
         m.d.comb += [
             arm.eq(AnySeq(1)), disarm.eq(AnySeq(1)), done.eq(AnySeq(1)), ending.eq(arm | disarm),
@@ -56,7 +58,7 @@ class FiresOncePerArming(Proof):
         ]
         # Settings change with an arming only.
         settings, settings_before = Cat(reference, reverse), Signal(33)
-        m.d.formal += [settings_before.eq(settings), armed_before.eq(arm & ~disarm), ended.eq(ending)]
+        m.d.formal += [settings_before.eq(settings), armed_before.eq(arm & ~disarm), ended.eq(Cat(ending, ended))]
         m.d.comb += Assume(arm | (settings == settings_before))
 
         # Edge e joins counts e - 1 and e.
@@ -88,7 +90,7 @@ class FiresOncePerArming(Proof):
             m.d.formal += active.eq(0)
         m.d.comb += [
             Assert(dut.fired == fired), Assert(dut.active == active),
-            Assert(dut.armed == waiting_before), Assert(dut.late == late_before),
+            Assert(dut.armed == waiting_before), Assert(dut.late == late_before), Assert(dut.judged == ended[2]),
         ]
 
         # Counted at the block's own output.
