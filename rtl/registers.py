@@ -24,13 +24,13 @@ if importlib.util.find_spec("amaranth_soc") is None:
     _luna_soc = importlib.util.find_spec("luna_soc").submodule_search_locations[0]
     sys.path.append(os.path.join(_luna_soc, "gateware", "vendor"))
 
-from amaranth import Shape
+from amaranth import Module, Shape
 from amaranth.lib import wiring
-from amaranth.lib.wiring import connect, flipped
+from amaranth.lib.wiring import In, Out, connect, flipped
 from amaranth_soc import csr
 from amaranth_soc.csr import action
 
-__all__ = ["BUS_WIDTH", "Field", "Register", "RegisterBank", "action", "csr", "snake_case"]
+__all__ = ["BUS_WIDTH", "Field", "FifoPort", "Register", "RegisterBank", "action", "csr", "snake_case"]
 
 BUS_WIDTH = 32
 """Bits of every register access.  The bus knows no narrower access."""
@@ -65,6 +65,23 @@ class Field(csr.Field):
         super().__init__(action_cls, shape, **kwargs)
         self.shape, self.unit, self.doc = Shape.cast(shape), unit, doc
         self.action_cls, self.init = action_cls, kwargs.get("init", 0)
+
+
+class FifoPort(csr.FieldAction):
+    """A field whose read takes a value from one FIFO and whose write puts one into another."""
+
+    def __init__(self, shape):
+        super().__init__(shape, access="rw", members={
+            "r_data": In(shape), "r_stb": Out(1), "w_data": Out(shape), "w_stb": Out(1),
+        })
+
+    def elaborate(self, platform):
+        m = Module()
+        m.d.comb += [
+            self.port.r_data.eq(self.r_data), self.r_stb.eq(self.port.r_stb),
+            self.w_data.eq(self.port.w_data), self.w_stb.eq(self.port.w_stb),
+        ]
+        return m
 
 
 class Register(csr.Register):
@@ -124,7 +141,6 @@ class RegisterBank(wiring.Component):
         return self.bus.memory_map
 
     def elaborate(self, platform):
-        from amaranth import Module
         m = Module()
         m.submodules.bridge = self._bridge
         connect(m, flipped(self.bus), self._bridge.bus)

@@ -7,7 +7,7 @@ from amaranth.lib.cdc import FFSynchronizer
 from amaranth.lib.fifo import SyncFIFOBuffered
 from amaranth.lib.wiring import In, Out, connect, flipped
 
-from rtl.registers import Field, Register, RegisterBank, action, csr
+from rtl.registers import Field, FifoPort, Register, RegisterBank, action
 from amaranth_stdio.serial import AsyncSerialRX, AsyncSerialTX
 
 __all__ = ["FIFO_BYTES", "SerialPeripheral"]
@@ -17,23 +17,6 @@ FIFO_BYTES = 64
 
 MIN_DIVISOR = 8
 ERRORS_MAX = 0xffff
-
-
-class FifoPort(csr.FieldAction):
-    """A field whose read takes a value from one FIFO and whose write puts one into another."""
-
-    def __init__(self, shape):
-        super().__init__(shape, access="rw", members={
-            "r_data": In(shape), "r_stb": Out(1), "w_data": Out(shape), "w_stb": Out(1),
-        })
-
-    def elaborate(self, platform):
-        m = Module()
-        m.d.comb += [
-            self.port.r_data.eq(self.r_data), self.r_stb.eq(self.port.r_stb),
-            self.w_data.eq(self.port.w_data), self.w_stb.eq(self.port.w_stb),
-        ]
-        return m
 
 
 class Receiver(wiring.Component):
