@@ -47,14 +47,15 @@ class Pwm(wiring.Component):
         if not 2 <= period_clocks < 1 << 12:
             raise ValueError(f"period_clocks must be 2 to 4095, not {period_clocks!r}")
         self._period_clocks = period_clocks
+        # Of this period; for proofs.
+        self._on_clocks, self._direction = Signal(12, name="on_clocks"), Signal(name="direction")
         super().__init__({"duty": In(signed(13)), "off": In(1), "start": In(1), "phase": In(unsigned(12)),
                           "pwm": Out(1), "dir": Out(1)})
 
     def elaborate(self, platform):
         m = Module()
         magnitude = Signal(13)
-        on_clocks = Signal(12)
-        direction = Signal()
+        on_clocks, direction = self._on_clocks, self._direction
         m.d.comb += magnitude.eq(Mux(self.duty < 0, -self.duty, self.duty))
         with m.If(self.off):
             m.d.sync += on_clocks.eq(0)
@@ -95,11 +96,14 @@ class ServoTick(wiring.Component):
     tick: Out(1)
     take: Out(1)
 
+    def __init__(self):
+        super().__init__()
+        # State, for proofs: starts before the next tick; starts before the duties are taken, if they are to be.
+        self._left, self._wait, self._waiting = Signal(8, name="left"), Signal(8, name="wait"), Signal(name="waiting")
+
     def elaborate(self, platform):
         m = Module()
-        left = Signal(8)                # starts before the next tick
-        wait = Signal(8)                # starts before the duties are taken
-        waiting = Signal()
+        left, wait, waiting = self._left, self._wait, self._waiting
         due = self.start & (left == 0) & (self.divider != 0)
         stopped = (left == 0) & (self.divider == 0)
         m.d.comb += self.take.eq(self.start & (stopped | (waiting & ((wait == 0) | due))))

@@ -22,7 +22,7 @@ class TimeRisesByOne(Proof):
 
     def harness(self, m, block):
         for n, start in enumerate(self.STARTS):
-            m.submodules[f"dut{n}"] = dut = one_clock(block.Timestamp(init=start), "fast")
+            m.submodules[f"dut{n or ''}"] = dut = one_clock(block.Timestamp(init=start), "fast")
             time = Signal(64, init=start, name=f"time{n}")
             m.d.formal += time.eq(time + 1)
             m.d.comb += [

@@ -11,7 +11,7 @@ from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadratureDecoder
 from rtl.snapshot import SnapshotPeripheral
 from rtl.trigger import TriggerPeripheral
-from tb.formal import classifier, compare, divider, led, quadrature, trigger
+from tb.formal import classifier, compare, divider, led, pulse, pwm, quadrature, router, snapshot, trigger
 from tb.rtl import test_classifier, test_trigger
 
 __all__ = ["BLOCKS", "Block", "Suite"]
@@ -37,6 +37,7 @@ class Block:
 
 
 LINE = Suite("test_scan_line"),
+SCENARIOS = Suite("test_scan_line", "plays_the_scenario"),
 PWM = Suite("test_pwm", env=(("PERIOD", "60"),)),
 
 BLOCKS = (
@@ -44,11 +45,14 @@ BLOCKS = (
           proofs=(quadrature.CountsEveryEdge,)),
     Block("compare", ScanLine, LINE, part="dut.compare", proofs=(compare.FiresOncePerArming,)),
     Block("divider", ScanLine, LINE, part="dut.divider", proofs=(divider.PixelsFollowTheRecurrence,)),
-    Block("pulse", ScanLine, LINE, part="dut.pulse"),
-    Block("router", ScanLine, LINE, part="dut.router"),
-    Block("timestamp", SnapshotPeripheral, (Suite("test_snapshot"),), part="dut.timestamp"),
-    Block("pwm", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.axis0"),
-    Block("servo tick", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.tick"),
+    Block("pulse", ScanLine, SCENARIOS, part="dut.pulse", proofs=(pulse.PulsesLastAsLongAsSet,)),
+    Block("router", ScanLine, SCENARIOS, part="dut.router", proofs=(router.PinsShowTheirSource,)),
+    Block("timestamp", SnapshotPeripheral, (Suite("test_snapshot"),), part="dut.timestamp",
+          proofs=(snapshot.TimeRisesByOne,)),
+    Block("pwm", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.axis0",
+          proofs=(pwm.TheDriveIsWhatWasAskedForOrOff,)),
+    Block("servo tick", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.tick",
+          proofs=(pwm.DutiesAreTakenAfterTheirTick,)),
     Block("classifier", PulseClassifier,
           tuple(Suite("test_classifier", "every_pulse|at_the", (("THRESHOLD", str(threshold)),))
                 for threshold in test_classifier.THRESHOLDS),

@@ -86,11 +86,12 @@ def noticed_by_tests(directory, number, suites):
 
 
 def is_equivalent(directory, part, how):
-    """Whether yosys proves that this mutant is the same circuit: register by register, by induction."""
-    finish = "hierarchy -top dut; proc; flatten; opt_clean"
+    """Whether yosys proves that this mutant is the same circuit: ``part`` by itself, register by register, by induction."""
+    top, = (module for module in _modules(directory, "dut.il", part) if re.fullmatch(rf"{re.escape(part)}(\$\d+)?", module))
+    finish = f"hierarchy -top {top}; proc; flatten; opt_clean"
     toolchain.yosys(
-        f"{_cells(directory, 'dut.il', part)}; design -save cells; {finish}; rename dut gold; design -stash gold; "
-        f"design -load cells; mutate {how}; {finish}; rename dut gate; design -copy-from gold gold; "
+        f"{_cells(directory, 'dut.il', part)}; design -save cells; {finish}; rename {top} gold; design -stash gold; "
+        f"design -load cells; mutate {how}; {finish}; rename {top} gate; design -copy-from gold gold; "
         "equiv_make gold gate equiv; hierarchy -top equiv; opt_clean; equiv_simple; equiv_induct -seq 3; "
         "tee -q -o equivalence.txt equiv_status", cwd=directory)
     return "Equivalence successfully proven!" in (directory / "equivalence.txt").read_text()
