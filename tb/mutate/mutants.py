@@ -86,9 +86,12 @@ def noticed_by_tests(directory, number, suites):
 
 
 def is_equivalent(directory, part, how):
-    """Whether yosys proves that this mutant is the same circuit: ``part`` by itself, register by register, by induction."""
+    """Whether yosys proves that this mutant is the same circuit: ``part`` by itself, register by register, by induction.
+
+    Registers that stay what they are at reset, since inputs are tied to a level, are taken for constants first.
+    """
     top, = (module for module in _modules(directory, "dut.il", part) if re.fullmatch(rf"{re.escape(part)}(\$\d+)?", module))
-    finish = f"hierarchy -top {top}; proc; flatten; opt_clean"
+    finish = f"hierarchy -top {top}; proc; flatten; opt_expr; opt_dff -sat; opt_expr; opt_dff -sat; opt_clean"
     toolchain.yosys(
         f"{_cells(directory, 'dut.il', part)}; design -save cells; {finish}; rename {top} gold; design -stash gold; "
         f"design -load cells; mutate {how}; {finish}; rename {top} gate; design -copy-from gold gold; "
