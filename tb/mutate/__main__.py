@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """``make mutate``: how many of the ways in which a timing block can be wrong do its tests and proofs notice?
 
-Of each block 200 mutants are tried, one after the other, on its tests; those that no test notices are compared with the
+Of each block 200 mutants, or all if it has fewer, are tried, one after the other, on its tests; those that no test notices are compared with the
 block itself, which some of them are in another form, and put to its proofs.  Ends with 1 if of those that are not the same
 less than 95 % are noticed.  Writes ``build/mutate/report.json``, which lists the ones left alive.
 """
@@ -77,7 +77,7 @@ def main():
         for block in BLOCKS:
             if options.name and block.name not in options.name:
                 continue
-            report[block.name] = found = examine(block, pool, count=options.mutants)
+            report[block.name] = found = examine(block, pool, count=min(options.mutants, block.most))
             good &= share(found) >= WANTED
             print(f"{block.name:<12}{found['mutants']:>8}{found['tests']:>10}{found['proofs']:>10}"
                   f"{found['equivalent']:>10}{len(found['alive']):>7}{share(found):>9.1%}", flush=True)

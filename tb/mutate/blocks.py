@@ -28,12 +28,14 @@ class Suite:
 @dataclass(frozen=True)
 class Block:
     """``part``: the module of ``make()`` that is mutated.  ``suites``: its tests, quick ones first.
-    ``proofs``: those whose harness has that module as ``dut``."""
+    ``proofs``: those whose harness has that module as ``dut``.  ``most``: its mutants that differ, if they are fewer than 200:
+    asked for more, yosys looks for them for ever."""
     name: str
     make: Callable
     suites: tuple
     part: str = "dut"
     proofs: tuple = ()
+    most: int = 200
 
 
 LINE = Suite("test_scan_line"),
@@ -46,18 +48,20 @@ BLOCKS = (
     Block("compare", ScanLine, LINE, part="dut.compare", proofs=(compare.FiresOncePerArming,)),
     Block("divider", ScanLine, LINE, part="dut.divider", proofs=(divider.PixelsFollowTheRecurrence,)),
     Block("pulse", ScanLine, SCENARIOS, part="dut.pulse", proofs=(pulse.PulsesLastAsLongAsSet,)),
-    Block("router", ScanLine, SCENARIOS, part="dut.router", proofs=(router.PinsShowTheirSource,)),
+    Block("router", ScanLine, SCENARIOS, part="dut.router", proofs=(router.PinsShowTheirSource,),
+          most=107),
     Block("timestamp", SnapshotPeripheral, (Suite("test_snapshot"),), part="dut.timestamp",
-          proofs=(snapshot.TimeRisesByOne,)),
+          proofs=(snapshot.TimeRisesByOne,), most=164),
     Block("pwm", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.axis0",
-          proofs=(pwm.TheDriveIsWhatWasAskedForOrOff,)),
+          proofs=(pwm.TheDriveIsWhatWasAskedForOrOff,), most=129),
     Block("servo tick", lambda: PwmPeripheral(period_clocks=60), PWM, part="dut.tick",
-          proofs=(pwm.DutiesAreTakenAfterTheirTick,)),
+          proofs=(pwm.DutiesAreTakenAfterTheirTick,), most=146),
     Block("classifier", PulseClassifier,
           tuple(Suite("test_classifier", "every_pulse|at_the", (("THRESHOLD", str(threshold)),))
                 for threshold in test_classifier.THRESHOLDS),
           proofs=(classifier.EveryPulseIsJudgedOnce,)),
-    Block("batch", DecisionBatch, (Suite("test_classifier", "batches"),), proofs=(classifier.DecisionsKeepTheirOrder,)),
+    Block("batch", DecisionBatch, (Suite("test_classifier", "batches"),), proofs=(classifier.DecisionsKeepTheirOrder,),
+          most=119),
     Block("trigger", test_trigger.Bench, (Suite("test_trigger", "records"), Suite("test_trigger", "any_two")),
           part="dut.capture", proofs=(trigger.ARecordIsOnePulse, trigger.ARecordIsOneSample)),
     Block("record queue", lambda: TriggerPeripheral(depth=6), (Suite("test_trigger_registers"),), part="dut.queue"),

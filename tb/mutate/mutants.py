@@ -42,7 +42,10 @@ def _cells(directory, name, part):
 
 
 def build(rtlil, part, *, count, seed=1):
-    """Directory of a simulation of ``dut`` with ``count`` mutants of its module ``part``, made once."""
+    """Directory of a simulation of ``dut`` with ``count`` mutants of its module ``part``, made once.
+
+    ``count`` must not be more than there are, or yosys never ends.
+    """
     bits = count.bit_length()
 
     def write_sources(directory):
