@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted([*(DOCS / "blocks").glob("*.md"), *(DOCS / "modules").glob("*.md"), DOCS / "timing.md", DOCS / "index.md"])
 BLOCKS = {"quadrature", "snapshot", "trigger", "classifier", "compare", "divider", "router", "line", "pulse", "pwm", "interlock", "serial",
-          "timer", "inputs", "buttons", "knob", "adc", "flash", "identity", "crossing", "bus", "led"}
+          "timer", "inputs", "buttons", "knob", "adc", "flash", "watchdog", "identity", "crossing", "bus", "led"}
 HEADINGS = ["Pins", "How to use it", "Timing", "Limits and errors"]
 
 
