@@ -44,13 +44,13 @@ def test_a_scan_that_cannot_be_is_refused_and_moves_nothing(powered, setting, er
     assert unmoved(powered)
 
 
-@pytest.mark.parametrize("seed", [16, 17])
+@pytest.mark.parametrize("seed", [29, 44])
 def test_random_bytes_do_no_harm(powered, seed):
-    """10 kB of anything, then the way back to the command language: CR, 255 65, CR.
+    """4 kB of anything, then the way back to the command language: CR, 255 65, CR.
 
-    Seed 16 has 255 82 (reset) in it, seed 17 has 255 66 (binary commands): both legal, neither the end.
+    Seed 29 has 255 82 (reset) in it, seed 44 has 255 66 (binary commands): both legal, neither the end.
     """
-    noise = random.Random(seed).randbytes(10_000)
+    noise = random.Random(seed).randbytes(4_000)
     assert b"\xffR" in noise or b"\xffB" in noise
     powered.serial_write(noise + b"\r\xffA\r")
     powered.run_until(lambda: powered.serial_unsent == 0, timeout_ps=2 * S)
