@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "config.h"
+#include "modules/update.h"
 
 /* What BU Y gathers: characters of a text, kept in doubles of seven characters of 7 bits each. */
 enum { TEXT_MAX = 20, TEXT_PART = 7, TEXT_PARTS = 3 };
@@ -102,7 +103,8 @@ static void write_build_line(struct reply *reply, unsigned n)
         reply_text(reply, "CMDs: XYZFTR");
         break;
     case BUILD_BOOT:
-        reply_text(reply, "BootLdr V:" BOOT_LOADER_VERSION);
+        reply_text(reply, "BootLdr V:");
+        reply_integer(reply, (int32_t)update_boot_version());
         break;
     case BUILD_HARDWARE:
         reply_text(reply, "Hdwr REV." HARDWARE_REVISION);
