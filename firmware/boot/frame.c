@@ -42,7 +42,7 @@ static void take_character(struct frame *frame, uint8_t character)
     const int value = padding ? 0 : sextet(character);
 
     if (value == NO_SEXTET || (frame->ended && !padding)) {
-        frame->overrun = true;
+        frame->open = false;
         return;
     }
     frame->ended = frame->ended || padding;
@@ -52,7 +52,7 @@ static void take_character(struct frame *frame, uint8_t character)
         return;
     }
     if (frame->count == sizeof frame->bytes) {
-        frame->overrun = true;
+        frame->open = false;
         return;
     }
     /* With the n-th character the (n - 1)-th byte of three is whole. */
@@ -65,7 +65,7 @@ static size_t packet_size(const struct frame *frame)
 {
     size_t size;
 
-    if (frame->overrun || frame->phase != 0 || frame->count < FRAME_LENGTH_BYTES + FRAME_CRC_BYTES)
+    if (!frame->open || frame->phase != 0 || frame->count < FRAME_LENGTH_BYTES + FRAME_CRC_BYTES)
         return 0;
     size = (size_t)frame->bytes[0] << 8 | frame->bytes[1];
     if (size < FRAME_CRC_BYTES || frame->count != FRAME_LENGTH_BYTES + size)
@@ -78,7 +78,8 @@ static void start_packet(struct frame *frame)
 {
     frame->count = 0;
     frame->phase = 0;
-    frame->overrun = frame->ended = false;
+    frame->open = true;
+    frame->ended = false;
 }
 
 size_t frame_take(struct frame *frame, uint8_t byte, const uint8_t **packet)
@@ -99,7 +100,7 @@ size_t frame_take(struct frame *frame, uint8_t byte, const uint8_t **packet)
         if (byte == '\r')
             return 0;
         if (byte != '\n') {
-            if (!frame->overrun)
+            if (frame->open)
                 take_character(frame, byte);
             return 0;
         }
@@ -107,7 +108,7 @@ size_t frame_take(struct frame *frame, uint8_t byte, const uint8_t **packet)
         size = packet_size(frame);
         if (size != 0) {
             *packet = frame->bytes + FRAME_LENGTH_BYTES;
-            frame->overrun = true; /* nothing continues it */
+            frame->open = false; /* nothing continues it */
         }
         return size;
     default:

@@ -23,7 +23,7 @@ struct frame {
     uint32_t sextets; /* not yet a byte */
     uint8_t phase;    /* how many of four characters there are */
     uint8_t state;
-    bool overrun;     /* what came does not fit or is no base64: the rest of the packet is dropped */
+    bool open;        /* a packet was begun and what came of it is sound; otherwise its lines are dropped */
     bool ended;       /* padding was seen */
 };
 

@@ -216,8 +216,6 @@ static bool key_is_ours(const struct tlvs *tlvs)
 {
     struct digest digest;
 
-    if (tlvs->key_bytes == 0)
-        return true; /* the signature will tell */
     if (!tlvs->key_is_hash)
         return memcmp(tlvs->key, ed25519_pub_key, KEY_DER_BYTES) == 0;
     digest_init(&digest, tlvs->hash_bytes);
@@ -274,7 +272,7 @@ enum image_verdict image_load(uint32_t address, uint32_t file_bytes, uint32_t co
     verdict = check_digest(image, &tlvs, memory, behind);
     if (verdict != IMAGE_VALID)
         return verdict;
-    if (!tlvs.is_signed)
+    if (!tlvs.is_signed || tlvs.key_bytes == 0)
         return IMAGE_UNSIGNED;
     if (!key_is_ours(&tlvs))
         return IMAGE_OTHER_KEY;

@@ -41,15 +41,21 @@ void smp_image_init(uint8_t *memory, int running)
     server.running = running;
 }
 
+/* Verify the image in a slot, which ends within so many bytes. */
+static enum image_verdict verify(int slot, uint32_t file_bytes)
+{
+    struct content *content = &server.contents[slot];
+
+    content->verdict = image_load(slot_address(slot), file_bytes, counter_read(), server.memory, &content->image);
+    content->known = true;
+    return content->verdict;
+}
+
 static const struct content *content(int slot)
 {
-    struct content *known = &server.contents[slot];
-
-    if (!known->known) {
-        known->verdict = image_load(slot_address(slot), SLOT_IMAGE_BYTES, counter_read(), server.memory, &known->image);
-        known->known = true;
-    }
-    return known;
+    if (!server.contents[slot].known)
+        (void)verify(slot, SLOT_IMAGE_BYTES);
+    return &server.contents[slot];
 }
 
 static unsigned valid_slots(void)
@@ -323,8 +329,7 @@ static struct smp_result finish(void)
         (void)discard(upload->slot);
         return smp_refuse(SMP_CORRUPT, "not the SHA-256 announced");
     }
-    server.contents[upload->slot].known = false;
-    verdict = content(upload->slot)->verdict;
+    verdict = verify(upload->slot, upload->size);
     if (verdict != IMAGE_VALID) {
         (void)discard(upload->slot);
         return refuse_image(verdict);

@@ -103,7 +103,7 @@ TEST(notices_every_wrong_bit)
 
         nor_flash_reset();
         boot_image_put(names[n], 0);
-        for (uint32_t at = 0; at < size; at += at < 60 || at >= 8032 ? 1 : 97) {
+        for (uint32_t at = 0; at < size; at += at < 60 || at > 8032 - 97 ? 1 : 97) {
             const uint8_t bit = (uint8_t)(1u << random_below(8));
 
             nor_flash[slot_address(0) + at] ^= bit;
