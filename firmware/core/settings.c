@@ -2,6 +2,7 @@
 #include "core/settings.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "core/command.h"
 #include "core/fault.h"
@@ -13,6 +14,9 @@ enum { KEY_FACTORY = 0 };
 static const struct settings_store *store = &settings_ram;
 static bool loading;
 static bool passed_over; /* a value that was kept has not been loaded */
+static bool written;     /* since the last commit began */
+static bool committing;
+static bool stale;       /* the store does not hold what was last committed */
 
 void settings_init(const struct settings_store *use)
 {
@@ -95,7 +99,7 @@ static bool load_kept_at_once(const struct parameter *row, unsigned axis)
 
 static bool save(const struct parameter *row, unsigned axis)
 {
-    return !is_kept(row, SAVED_BY_SS) || store->write(settings_key(row, axis), row->value[axis]);
+    return !is_kept(row, SAVED_BY_SS) || settings_write(settings_key(row, axis), row->value[axis]);
 }
 
 static void log_passed_over(void)
@@ -109,7 +113,8 @@ void settings_load(void)
     double factory;
 
     loading = true;
-    passed_over = store->damaged != NULL && store->damaged();
+    stale = store->damaged != NULL && store->damaged();
+    passed_over = stale;
     (void)for_each(set_initial);
     if (!store->read(KEY_FACTORY, &factory) || factory == 0)
         (void)for_each(load_saved);
@@ -152,7 +157,36 @@ bool settings_read(uint32_t key, double *value)
     return store->read(key, value) && *value == *value;
 }
 
+/* What is there already costs the store nothing, unless it may have been lost there. */
 bool settings_write(uint32_t key, double value)
 {
-    return store->write(key, value) && store->commit();
+    double kept;
+    const bool there = store->read(key, &kept);
+
+    if (there ? memcmp(&kept, &value, sizeof value) == 0 : value != value) {
+        written |= stale;
+        return true;
+    }
+    written = true;
+    return store->write(key, value);
+}
+
+void settings_poll(void)
+{
+    if (committing || !written)
+        return;
+    committing = true;
+    written = false;
+    stale = !store->commit();
+    committing = false;
+}
+
+bool settings_pending(void)
+{
+    return written || committing;
+}
+
+bool settings_kept(void)
+{
+    return !stale && !settings_pending();
 }

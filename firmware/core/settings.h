@@ -9,6 +9,10 @@
  * whenever it is set, is loaded at every start, and SS has nothing to do with it. A row of that class
  * without a `value` is kept and loaded by its module, which keeps another form of it (places).
  *
+ * What is written is seen by reads at once and kept by the next settings_poll, all of it together: by
+ * then it is all old or all new, whenever the power goes. A store may take long (a sector of flash takes
+ * up to 400 ms to erase) and let the main loop go on meanwhile; what is then written is kept after that.
+ *
  * The back end here is RAM: it outlives a software reset, not the power.
  */
 #ifndef CORE_SETTINGS_H
@@ -25,7 +29,7 @@ enum { SETTINGS_MAX = 256 }; /* values the RAM back end keeps */
 struct settings_store {
     bool (*read)(uint32_t key, double *value); /* false: no such key */
     bool (*write)(uint32_t key, double value); /* false: full */
-    bool (*commit)(void);                      /* all writes so far, together; false: not kept */
+    bool (*commit)(void);                      /* all writes so far, together; false: all as before */
     bool (*damaged)(void);                     /* some of what was kept cannot be read; or NULL */
 };
 
@@ -54,9 +58,9 @@ void settings_load(void);
  */
 bool settings_loading(void);
 
-/** SS Z. False: the store is full or failed. */
+/** SS Z. False: the store is full. */
 bool settings_save(void);
-/** SS Y: the kept values now, and again at the next start after an SS X. */
+/** SS Y: the kept values now, and again at the next start after an SS X. False: the store is full. */
 bool settings_restore(void);
 /** SS X: initial values at the next start. */
 bool settings_factory_next(void);
@@ -66,8 +70,20 @@ uint32_t settings_key(const struct parameter *parameter, unsigned axis);
 /** Key of something that is no parameter: of "NAME.L". */
 uint32_t settings_key_of(const char *name, char letter);
 
-/** Read, keep or forget (NAN) a value that is no parameter; kept at once. */
+/** Read, write or forget (NAN) a value that is no parameter. False: there is none; the store is full. */
 bool settings_read(uint32_t key, double *value);
 bool settings_write(uint32_t key, double value);
+
+/**
+ * Keep what has been written since, if anything. Of the main loop, which the store may let run inside
+ * this call; does nothing when called from there.
+ */
+void settings_poll(void);
+
+/** Something is written that is not kept yet, nor given up. */
+bool settings_pending(void);
+
+/** All that was written is kept. False: not yet, or the store failed; the next write tries again. */
+bool settings_kept(void);
 
 #endif

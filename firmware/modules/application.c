@@ -105,10 +105,11 @@ void application_poll(void)
     }
 
     /* The acknowledge leaves first. Lines behind it are carried out after the reset. */
-    if (reset_wanted && console_finish(&console) && serial_is_quiet()) {
+    if (reset_wanted && !settings_pending() && console_finish(&console) && serial_is_quiet()) {
         interrupts_enable(0);
         start(false);
     }
+    settings_poll();
 }
 
 bool application_busy(void)

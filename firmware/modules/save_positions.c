@@ -12,6 +12,7 @@
 #include "modules/motion.h"
 
 static double inhibit;
+static bool stored; /* all has been written that is to be kept */
 static bool down;
 
 /* Of what is stored: counts from the user's 0. */
@@ -25,16 +26,20 @@ bool save_positions_is_down(void)
     return down;
 }
 
+/* Forgotten for good before anything can move, or not believed. */
 void save_positions_restore(void)
 {
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
-        double counts;
+    double counts[AXIS_COUNT];
 
-        if (!settings_read(key_of(axis), &counts))
-            continue;
-        coordinates_set_origin(axis, motion_position_counts(axis) - (int32_t)counts);
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++) {
+        if (!settings_read(key_of(axis), &counts[axis]))
+            counts[axis] = NAN;
         (void)settings_write(key_of(axis), NAN);
     }
+    settings_poll();
+    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+        if (settings_kept() && !isnan(counts[axis]))
+            coordinates_set_origin(axis, motion_position_counts(axis) - (int32_t)counts[axis]);
 }
 
 static double counts_from_origin(unsigned axis)
@@ -69,7 +74,7 @@ static bool store(void)
     return stored;
 }
 
-enum step { STEP_BEGIN, STEP_STOP };
+enum step { STEP_BEGIN, STEP_STOP, STEP_STORE };
 
 /* The colon leaves at once, the A when the positions are stored. */
 static enum status savepos(const struct request *request, struct reply *reply)
@@ -81,11 +86,17 @@ static enum status savepos(const struct request *request, struct reply *reply)
         reply->step = STEP_STOP;
         return STATUS_PENDING;
     }
-    if (!all_rest())
+    if (reply->step == STEP_STOP) {
+        if (!all_rest())
+            return STATUS_PENDING;
+        for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
+            motion_enable(axis, false);
+        stored = store();
+        reply->step = STEP_STORE;
+    }
+    if (settings_pending())
         return STATUS_PENDING;
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        motion_enable(axis, false);
-    down = store();
+    down = stored && settings_kept();
     reply_text(reply, down ? "A " : "N-5");
     return STATUS_OK;
 }

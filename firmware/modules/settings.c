@@ -18,6 +18,8 @@ static bool act(char letter)
     }
 }
 
+enum step { STEP_BEGIN, STEP_ACT, STEP_KEEP };
+
 /*
  * The letter says what to do, so exactly one is wanted; with more the line is refused. The colon
  * leaves at once, the A when it is done; a failure then reads :N-5.
@@ -25,14 +27,29 @@ static bool act(char letter)
 static enum status saveset(const struct request *request, struct reply *reply)
 {
     const char letter = request->arguments[0].letter;
+    bool done;
 
     if (request->count != 1 || strchr("XYZ", letter) == NULL)
         return STATUS_RANGE;
-    if (reply->step++ == 0) {
+    switch (reply->step) {
+    case STEP_BEGIN:
         reply_char(reply, ':');
+        reply->step = STEP_ACT;
         return STATUS_PENDING;
+    case STEP_ACT:
+        done = act(letter);
+        if (done && settings_pending()) {
+            reply->step = STEP_KEEP;
+            return STATUS_PENDING;
+        }
+        break;
+    default:
+        if (settings_pending())
+            return STATUS_PENDING;
+        done = true;
+        break;
     }
-    reply_text(reply, act(letter) ? "A " : "N-5");
+    reply_text(reply, done && settings_kept() ? "A " : "N-5");
     return STATUS_OK;
 }
 

@@ -49,6 +49,7 @@ static void turn(void)
     console_poll(&port_console);
     fault_poll();
     events_poll();
+    settings_poll();
     if (!held)
         collect(OUTPUT);
 }

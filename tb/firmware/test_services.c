@@ -256,6 +256,43 @@ TEST(ignores_saved_values_that_are_out_of_range_and_reports_a_full_store)
     settings_init(&settings_ram);
 }
 
+static unsigned commits;
+static bool commits_fail;
+
+static bool commit_counted(void)
+{
+    commits++;
+    settings_poll(); /* as the main loop does, which goes on meanwhile */
+    return !commits_fail;
+}
+
+TEST(a_store_is_written_once_for_a_line_and_not_for_what_it_has)
+{
+    struct settings_store counted = settings_ram;
+
+    counted.commit = commit_counted;
+    settings_init(&counted);
+    start();
+    commits = 0;
+    port_send("TINT R=3.5 Z=9");
+    CHECK_INT(commits, 1);
+    port_send("TINT R=3.5 Z=9");
+    CHECK_INT(commits, 1);
+    commits_fail = true;
+    port_send("TINT R=4.5");
+    CHECK_INT(commits, 2);
+    CHECK(!settings_kept() && !settings_pending());
+    commits_fail = false;
+    port_send("TINT R=4.5");
+    CHECK_INT(commits, 3);
+    CHECK(settings_kept());
+    CHECK(settings_write(12345, 1));
+    CHECK(settings_pending() && !settings_kept());
+    settings_poll();
+    CHECK(!settings_pending() && settings_kept());
+    settings_init(&settings_ram);
+}
+
 TEST(keys_of_settings_differ)
 {
     const struct parameter *a, *b;
@@ -282,4 +319,5 @@ TEST_MAIN(RUN(ring_keeps_order_and_refuses_when_full);
           RUN(factory_values_come_at_the_next_start_until_restored);
           RUN(keeps_parameters_of_class_at_once_without_being_asked);
           RUN(ignores_saved_values_that_are_out_of_range_and_reports_a_full_store);
+          RUN(a_store_is_written_once_for_a_line_and_not_for_what_it_has);
           RUN(keys_of_settings_differ))
