@@ -71,6 +71,9 @@ test-gates: $(READY) ## Every test of a block on the netlist that goes to the FP
 fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
 	@$(PYTHON) -m tb.fuzz $(if $(RUNS),--runs $(RUNS)) $(ARGS)
 
+powercut: $(READY) ## The power fails at every byte and erase of everything that is written to flash [ARGS="SCENARIO... --pairs 8 --every 1"]
+	@$(PYTHON) -m tb.powercut $(ARGS)
+
 test-numbers: $(READY) ## A million numbers on the target's objects and on the host's: the same bytes
 	@$(PYTHON) -m tb.firmware.numbers
 
@@ -136,4 +139,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench bench-timing test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench bench-timing test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz powercut soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean

@@ -273,6 +273,7 @@ TEST(a_store_is_written_once_for_a_line_and_not_for_what_it_has)
     counted.commit = commit_counted;
     settings_init(&counted);
     start();
+    settings_poll();
     commits = 0;
     port_send("TINT R=3.5 Z=9");
     CHECK_INT(commits, 1);
