@@ -4,7 +4,7 @@
 #include <lfs.h>
 #include <string.h>
 
-#include "hal/flash.h"
+#include "hal/flash_map.h"
 
 enum {
     VERSION = 1,
@@ -26,7 +26,7 @@ static bool unread; /* what is in the flash is not what the RAM has */
 
 static uint32_t address_of(lfs_block_t block, lfs_off_t offset)
 {
-    return SETTINGS_FLASH_ADDRESS + block * FLASH_SECTOR + offset;
+    return FLASH_MAP_SETTINGS + block * FLASH_SECTOR + offset;
 }
 
 static int read(const struct lfs_config *config, lfs_block_t block, lfs_off_t offset, void *to, lfs_size_t size)
@@ -56,7 +56,7 @@ static int sync(const struct lfs_config *config)
 }
 
 static uint8_t read_buffer[FLASH_PAGE], program_buffer[FLASH_PAGE], file_buffer[FLASH_PAGE];
-static uint8_t lookahead_buffer[SETTINGS_FLASH_SECTORS / 8];
+static uint8_t lookahead_buffer[FLASH_MAP_SETTINGS_SECTORS / 8];
 
 static const struct lfs_config config = {
     .read = read, .prog = program, .erase = erase, .sync = sync,
@@ -64,7 +64,7 @@ static const struct lfs_config config = {
     .prog_size = FLASH_PAGE, /* a cut leaves a page in doubt: no two commits share one */
     .cache_size = FLASH_PAGE,
     .block_size = FLASH_SECTOR,
-    .block_count = SETTINGS_FLASH_SECTORS,
+    .block_count = FLASH_MAP_SETTINGS_SECTORS,
     .block_cycles = 100,                 /* erases until the directory moves on: wear */
     .metadata_max = FLASH_SECTOR / 4,    /* what a start has to read of the directory */
     .inline_max = (lfs_size_t)-1,        /* a directory of one short entry */
@@ -140,7 +140,7 @@ static bool is_blank(void)
 {
     uint8_t first[16];
 
-    for (uint32_t sector = 2; sector < SETTINGS_FLASH_SECTORS; sector++) {
+    for (uint32_t sector = 2; sector < FLASH_MAP_SETTINGS_SECTORS; sector++) {
         if (!flash_read(address_of(sector, 0), first, sizeof first))
             return false;
         for (size_t n = 0; n < sizeof first; n++)

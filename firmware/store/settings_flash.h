@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /**
- * Back end of the settings: a file in the flash, by littlefs.
+ * Back end of the settings: a file in the flash (hal/flash_map.h), by littlefs.
  *
  * The values live in RAM (settings_ram); the file is their image, written whole at each commit beside
  * the one before, which littlefs then lets go of in one step: whenever the power goes, the file is the
@@ -14,11 +14,6 @@
 #define STORE_SETTINGS_FLASH_H
 
 #include "core/settings.h"
-
-enum {
-    SETTINGS_FLASH_ADDRESS = 0x500000,
-    SETTINGS_FLASH_SECTORS = 64,
-};
 
 /**
  * Read what is kept. Power-up, once. A flash that is blank there holds nothing; it is formatted when

@@ -6,10 +6,11 @@
 #include <stdlib.h>
 
 #include "../powercut/chip.h"
+#include "hal/flash_map.h"
 #include "random.h"
 #include "store/settings_flash.h"
 
-enum { KEYS = 200, REGION = SETTINGS_FLASH_ADDRESS, REGION_SIZE = SETTINGS_FLASH_SECTORS * FLASH_SECTOR };
+enum { KEYS = 200, REGION = FLASH_MAP_SETTINGS, REGION_SIZE = FLASH_MAP_SETTINGS_SECTORS * FLASH_SECTOR };
 
 static struct chip *chip;
 static const struct settings_store *store;
@@ -272,10 +273,10 @@ TEST(wear_is_spread_and_a_start_reads_little)
     for (uint32_t n = 0; n < CHIP_SECTORS; n++)
         CHECK(chip->erases[n] == 0 || (n >= REGION / FLASH_SECTOR && n < (REGION + REGION_SIZE) / FLASH_SECTOR));
     printf("# %d saves: %u erases, %.2f a save, %.0f a sector, at least %u, at most %u; %.1f pages a save; a start: %u bytes in %u reads\n",
-           SAVES, all, (double)all / SAVES, (double)all / SETTINGS_FLASH_SECTORS, least, most, (double)chip->pages / SAVES,
+           SAVES, all, (double)all / SAVES, (double)all / FLASH_MAP_SETTINGS_SECTORS, least, most, (double)chip->pages / SAVES,
            (unsigned)bytes_most, (unsigned)reads_most);
     CHECK(all < 1.5 * SAVES);
-    CHECK(most < 2.5 * all / SETTINGS_FLASH_SECTORS);
+    CHECK(most < 2.5 * all / FLASH_MAP_SETTINGS_SECTORS);
     CHECK(bytes_most <= 8000 && reads_most <= 100);
 }
 

@@ -5,9 +5,10 @@
  *     powercut                                  the names of the scenarios
  *     powercut SCENARIO PART PARTS PAIRS SEED   one of them
  *
- * Cuts before those steps whose number is PART modulo PARTS. After each, a controller powers up and tells its state,
- * which has to be the one before or the one after; then it does the thing again, which has to succeed. Of PAIRS steps
- * of this second time, spread evenly from a random one on, each is cut too, and looked at the same way.
+ * Of all cuts, numbered in order, this makes those that are PART modulo PARTS. After each, a controller powers up and
+ * tells its state, which has to be the one before or the one after; then it does the thing again, which has to succeed.
+ * Of PAIRS steps of this second time, spread evenly from a random one on, each is cut too, and looked at the same way.
+ * Where there are few steps each is cut several times, as what a cut leaves is random.
  *
  * Prints `passed N failed M` now and then and at the end, and a line for each failure. Every controller is a process
  * of its own, so that nothing but the flash outlives a cut: this one only forks.
@@ -24,7 +25,7 @@
 #include "chip.h"
 #include "scenario.h"
 
-enum { REPORT_EVERY = 100 };
+enum { REPORT_EVERY = 100, LEAST_CUTS = 256 };
 
 /* What processes tell each other. */
 static struct told {
@@ -35,6 +36,8 @@ static const struct scenario *scenario;
 static char before[SCENARIO_STATE_MAX], between[SCENARIO_STATE_MAX], after[SCENARIO_STATE_MAX];
 static unsigned passed, failed;
 static uint64_t pair_stride; /* 0: no pairs */
+static uint64_t times;       /* that each step is cut */
+static uint64_t part, parts;
 static uint32_t seed;
 
 static void give_up(const char *why)
@@ -130,7 +133,7 @@ static void before_step(void)
 {
     char go;
 
-    if (worker.step++ % worker.stride != worker.phase)
+    if (++worker.step % worker.stride != worker.phase)
         return;
     if (write(worker.asks[1], &worker.step, sizeof worker.step) < 0 || read(worker.goes_on[0], &go, 1) != 1)
         _exit(1);
@@ -139,6 +142,7 @@ static void before_step(void)
 struct cut {
     const char *before, *between, *after; /* the states that are right */
     uint64_t first;                       /* the step of the first cut of a pair, or 0 */
+    uint64_t time;                        /* of the first step's */
 };
 
 static void count(bool good, const struct cut *cut, uint64_t step, const char *why, const char *what)
@@ -148,9 +152,9 @@ static void count(bool good, const struct cut *cut, uint64_t step, const char *w
     else
         failed++;
     if (!good)
-        printf("%s: cut before step %llu, then %llu, seed %u: %s: %s\n", scenario->name,
-               (unsigned long long)(cut->first ? cut->first : step), (unsigned long long)(cut->first ? step : 0), seed, why,
-               what != NULL ? what : "it crashed");
+        printf("%s: cut before step %llu, then %llu, time %llu, seed %u: %s: %s\n", scenario->name,
+               (unsigned long long)(cut->first ? cut->first : step), (unsigned long long)(cut->first ? step : 0),
+               (unsigned long long)cut->time, seed, why, what != NULL ? what : "it crashed");
     if ((passed + failed) % REPORT_EVERY == 0)
         printf("passed %u failed %u\n", passed, failed);
     fflush(stdout);
@@ -166,7 +170,7 @@ static void look(int file, uint64_t step, const struct cut *cut)
     const char *state;
     int left;
 
-    chip_cut(at_work, seed + (uint32_t)(step * 31 + cut->first * 1009));
+    chip_cut(at_work, seed + (uint32_t)(step * 31 + cut->first * 1009 + cut->time * 100003));
     left = copy_of(at_work);
     munmap(at_work, sizeof *at_work);
     state = state_of(left);
@@ -178,12 +182,20 @@ static void look(int file, uint64_t step, const struct cut *cut)
 
         strcpy(found, state);
         done = cut->first == 0 && pair_stride > 0
-                   ? explore(left, pair_stride, (seed + step * 7919) % pair_stride, &(struct cut){found, between, cut->after, step})
+                   ? explore(left, pair_stride, (seed + step * 7919 + cut->time) % pair_stride, &(struct cut){found, between, cut->after, step, cut->time})
                    : run(left, scenario->act);
         state = state_of(left);
         count(done && state != NULL && strcmp(state, cut->after) == 0, cut, step, "not done when tried again", state);
     }
     close(left);
+}
+
+/* The cuts of a step that are this part's. */
+static void look_at_ours(int file, uint64_t step, const struct cut *cut)
+{
+    for (uint64_t time = 0; time < times; time++)
+        if ((step * times + time) % parts == part)
+            look(file, step, &(struct cut){cut->before, cut->between, cut->after, 0, time});
 }
 
 /* Do the thing on the chip, to the end, and look at cuts on the way. False: it did not succeed. */
@@ -207,7 +219,10 @@ static bool explore(int file, uint64_t stride, uint64_t phase, const struct cut 
     close(worker.asks[1]);
     close(worker.goes_on[0]);
     while (read(worker.asks[0], &step, sizeof step) == sizeof step) {
-        look(file, step, cut);
+        if (cut->first != 0)
+            look(file, step, cut);
+        else
+            look_at_ours(file, step, cut);
         if (write(worker.goes_on[1], "", 1) != 1)
             give_up("write");
     }
@@ -217,7 +232,7 @@ static bool explore(int file, uint64_t stride, uint64_t phase, const struct cut 
     return ended_well(process);
 }
 
-static const struct scenario *const lists[] = {scenario_settings};
+static const struct scenario *const lists[] = {scenario_settings, scenario_update};
 
 static const struct scenario *find(const char *name)
 {
@@ -272,8 +287,10 @@ static uint64_t prepare(int file)
     done = map(whole, MAP_SHARED);
     note(whole, scenario->act, after);
     steps = done->steps - chip->steps;
-    if (strcmp(before, after) == 0 || erases_of(done) - erases_of(chip) != scenario->erases) {
-        fprintf(stderr, "not what its name says: %u erases, %s\n", erases_of(done) - erases_of(chip), after);
+    if (strstr(before, scenario->before) == NULL || strstr(after, scenario->after) == NULL || strcmp(before, after) == 0 ||
+        erases_of(done) - erases_of(chip) < scenario->erases) {
+        fprintf(stderr, "not what its name says: %u erases, %s, then %s\n", erases_of(done) - erases_of(chip), before,
+                after);
         exit(2);
     }
     strcpy(between, after);
@@ -284,7 +301,7 @@ static uint64_t prepare(int file)
 
 int main(int argument_count, char **arguments)
 {
-    uint64_t number[4];
+    uint64_t pairs, steps;
 
     if (argument_count == 1)
         return list();
@@ -292,17 +309,18 @@ int main(int argument_count, char **arguments)
         fprintf(stderr, "usage: powercut SCENARIO PART PARTS PAIRS SEED\n");
         return 2;
     }
-    for (unsigned n = 0; n < 4; n++)
-        number[n] = strtoull(arguments[2 + n], NULL, 10);
-    seed = (uint32_t)number[3];
+    part = strtoull(arguments[2], NULL, 10);
+    parts = strtoull(arguments[3], NULL, 10);
+    pairs = strtoull(arguments[4], NULL, 10);
+    seed = (uint32_t)strtoul(arguments[5], NULL, 10);
     told = mmap(NULL, sizeof *told, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (told == MAP_FAILED)
         give_up("mmap");
     const int file = new_file();
-    const uint64_t steps = prepare(file), pairs = number[2];
-
+    steps = prepare(file);
+    times = LEAST_CUTS / steps + 1;
     pair_stride = pairs > 0 ? steps / pairs + 1 : 0;
-    if (!explore(file, number[1], number[0], &(struct cut){before, before, after, 0}))
+    if (!explore(file, 1, 0, &(struct cut){before, before, after, 0, 0}))
         give_up("without a cut");
     printf("passed %u failed %u\n", passed, failed);
     return failed > 0;

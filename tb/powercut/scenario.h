@@ -6,9 +6,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "hal/flash_map.h"
+
 enum {
     SCENARIO_STATE_MAX = 2048,
-    SCENARIO_FIRST = 0x400000, SCENARIO_END = 0x540000, /* what may be touched: slots and settings */
+    SCENARIO_FIRST = FLASH_MAP_COUNTER, /* what may be touched: the counter, the slots, the settings */
+    SCENARIO_END = FLASH_MAP_SETTINGS + FLASH_MAP_SETTINGS_SECTORS * FLASH_SECTOR,
 };
 
 struct scenario {
@@ -17,10 +20,11 @@ struct scenario {
     bool (*act)(void);         /* power up and do it; false: not done */
     void (*tell)(char *state); /* power up and tell in words what is kept and runs */
     bool (*first)(void);       /* or NULL: what `act` does first after it has been done, whose state is then right too */
-    unsigned erases;           /* that `act` takes, or the scenario is not what its name says */
+    const char *before, *after; /* what the states say, among other things */
+    unsigned erases;           /* that `act` takes at least, or the scenario is not what its name says */
 };
 
 /** Lists, each ended by a row without a name. */
-extern const struct scenario scenario_settings[];
+extern const struct scenario scenario_settings[], scenario_update[];
 
 #endif

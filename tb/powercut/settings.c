@@ -145,12 +145,12 @@ static bool start_only(void)
 }
 
 const struct scenario scenario_settings[] = {
-    {"first save", prepare_nothing, save, tell, NULL, 3},
-    {"save", prepare_settings, save, tell, NULL, 1},
-    {"save, directory full", prepare_full, save, tell, NULL, 2},
-    {"save, directory worn", prepare_worn, save, tell, NULL, 3},
-    {"limits", prepare_settings, set_limits, tell, NULL, 1},
-    {"SAVEPOS", prepare_settings, shut_down, tell, start_only, 1},
-    {"start after SAVEPOS", prepare_shut_down, start_only, tell, NULL, 1},
+    {"first save", prepare_nothing, save, tell, NULL, "0 values", "error 0, :A X=2.250000 Y=2.500000", 3},
+    {"save", prepare_settings, save, tell, NULL, "error 0, :A X=1.250000 Y=1.500000", "error 0, :A X=2.250000 Y=2.500000", 1},
+    {"save, directory full", prepare_full, save, tell, NULL, "error 0, :A X=1.250000", "error 0, :A X=2.250000", 2},
+    {"save, directory worn", prepare_worn, save, tell, NULL, "error 0, :A X=1.250000", "error 0, :A X=2.250000", 3},
+    {"limits", prepare_settings, set_limits, tell, NULL, ":A X=-20.000 Y=-110.000", ":A X=-30.000 Y=-31.000", 1},
+    {"SAVEPOS", prepare_settings, shut_down, tell, start_only, ":A 0.0 0.0 0.0 0.0", ":A 7000.0 0.0 -990.0 0.0", 1},
+    {"start after SAVEPOS", prepare_shut_down, start_only, tell, NULL, ":A 7000.0 0.0 -990.0 0.0", ":A 0.0 0.0 0.0 0.0", 1},
     {0},
 };
