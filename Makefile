@@ -71,7 +71,7 @@ test-gates: $(READY) ## Every test of a block on the netlist that goes to the FP
 fuzz: $(READY) ## libFuzzer on the command language [RUNS=10000000 ARGS=--help]
 	@$(PYTHON) -m tb.fuzz $(if $(RUNS),--runs $(RUNS)) $(ARGS)
 
-powercut: $(READY) ## The power fails at every byte and erase of everything that is written to flash [ARGS="SCENARIO... --pairs 8 --every 1"]
+powercut: $(READY) ## The power fails at every byte and erase of everything that is written to flash [ARGS="SCENARIO... --pairs 4 --every 1"]
 	@$(PYTHON) -m tb.powercut $(ARGS)
 
 test-numbers: $(READY) ## A million numbers on the target's objects and on the host's: the same bytes

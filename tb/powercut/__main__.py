@@ -15,7 +15,7 @@ from tb.powercut.powercut import Broken, Cuts, run, scenarios
 def main():
     parser = argparse.ArgumentParser(prog="make powercut", description=__doc__.split("\n\n")[0])
     parser.add_argument("scenarios", nargs="*", metavar="SCENARIO", help="default: all")
-    parser.add_argument("--pairs", type=int, default=8, help="second cuts after each (default %(default)d)")
+    parser.add_argument("--pairs", type=int, default=4, help="second cuts after each (default %(default)d)")
     parser.add_argument("--every", type=int, default=1, help="cut before each so many steps only (default: all)")
     parser.add_argument("--seed", type=int, default=1, help="of what a cut leaves (default %(default)d)")
     options = parser.parse_args()
