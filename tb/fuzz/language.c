@@ -52,6 +52,7 @@ static void turn(void)
     console_poll(&console);
     fault_poll();
     events_poll();
+    settings_poll();
     while (ring_take(&transmit, &byte))
         if (output_length < OUTPUT - 1)
             output[output_length++] = (char)byte;
