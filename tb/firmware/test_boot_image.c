@@ -5,6 +5,7 @@
 #include "boot/slot.h"
 #include "boot_images.h"
 #include "check.h"
+#include "image_file.h"
 #include "crypto_hash_sha256.h"
 #include "crypto_hash_sha512.h"
 #include "crypto_sign_ed25519.h"
@@ -36,7 +37,7 @@ TEST(takes_what_imgtool_signs)
     static uint8_t file[IMAGE_FILE_BYTES];
 
     EXPECT("good", IMAGE_VALID);
-    boot_image_read("good", file);
+    image_file_read("good", file);
     CHECK_INT(image.loaded_bytes, 32 + 8000);
     CHECK(memcmp(boot_memory, file, image.loaded_bytes) == 0);
     CHECK_INT(image.version.major, 1);
@@ -79,7 +80,7 @@ TEST(refuses_what_is_older_than_allowed)
 TEST(refuses_a_file_that_ends_early)
 {
     static uint8_t file[IMAGE_FILE_BYTES];
-    const size_t size = boot_image_read("good", file);
+    const size_t size = image_file_read("good", file);
 
     nor_flash_reset();
     boot_image_put("good", 0);
@@ -99,7 +100,7 @@ TEST(notices_every_wrong_bit)
     static uint8_t file[IMAGE_FILE_BYTES];
 
     for (unsigned n = 0; n < sizeof names / sizeof *names; n++) {
-        const size_t size = boot_image_read(names[n], file);
+        const size_t size = image_file_read(names[n], file);
 
         nor_flash_reset();
         boot_image_put(names[n], 0);

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """``make mutate``: how many of the ways in which a timing block can be wrong do its tests and proofs notice?
 
-Of each block 200 mutants, or all if it has fewer, are tried, one after the other, on its tests; those that no test notices are compared with the
-block itself, which some of them are in another form, and put to its proofs.  Ends with 1 if of those that are not the same
-less than 95 % are noticed.  Writes ``build/mutate/report.json``, which lists the ones left alive.
+Of each block 200 mutants, or all if it has fewer, are tried, one after the other, on its tests; those that no test notices
+are compared with the block itself, which some of them are in another form, and put to its proofs.  Ends with 1 if of those
+that are not the same less than 95 % are noticed.  Writes ``build/mutate/report.json``, which lists the ones left alive.
 """
 
 import argparse

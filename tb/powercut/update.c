@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Updates, by the boot program's core: images from imgtool (tb/firmware/boot_images.py) through its SMP server. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "boot/counter.h"
 #include "boot/smp.h"
 #include "boot/start.h"
 #include "chip.h"
+#include "image_file.h"
 #include "scenario.h"
 
 enum { PIECE = 400, STARTS = 3, COUNTS = 511 /* that leave a sector of the counter one */ };
@@ -15,28 +15,11 @@ enum { PIECE = 400, STARTS = 3, COUNTS = 511 /* that leave a sector of the count
 static uint8_t memory[IMAGE_RAM_BYTES];
 static struct image image;
 
-static size_t read_image(const char *name, uint8_t bytes[IMAGE_FILE_BYTES])
-{
-    char path[1024];
-    FILE *file;
-    size_t size;
-
-    snprintf(path, sizeof path, IMAGES "/%s.bin", name);
-    file = fopen(path, "rb");
-    if (file == NULL) {
-        perror(path);
-        exit(2);
-    }
-    size = fread(bytes, 1, IMAGE_FILE_BYTES, file);
-    fclose(file);
-    return size;
-}
-
 static bool put(const char *name, int slot)
 {
     static uint8_t bytes[IMAGE_FILE_BYTES];
 
-    return flash_program(slot_address(slot), bytes, read_image(name, bytes));
+    return flash_program(slot_address(slot), bytes, image_file_read(name, bytes));
 }
 
 static bool start(void)
@@ -79,7 +62,7 @@ static bool ask(uint8_t command, uint8_t *request, const uint8_t *end)
 static bool send(const char *name)
 {
     static uint8_t bytes[IMAGE_FILE_BYTES];
-    const size_t size = read_image(name, bytes);
+    const size_t size = image_file_read(name, bytes);
     uint8_t request[PIECE + 100];
 
     smp_init(memory, SLOT_NONE);
