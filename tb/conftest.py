@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The ``simulate`` fixture: an Amaranth component under Verilator, driven by the cocotb tests of the same file."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -22,15 +23,20 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     config.addinivalue_line("markers", "gates: on the netlist that yosys makes for the ECP5")
+    config.addinivalue_line("markers", "slow: in make test-slow (FULL_LINES=1), not in the ordinary suite")
 
 
 def pytest_collection_modifyitems(config, items):
-    """Without ``--gates all``, of the tests on the netlist keep those of :mod:`tb.gates.levels`."""
-    if config.getoption("gates") == "some":
-        left = [item for item in items if "simulate" in getattr(item, "fixturenames", ())
-                and item.get_closest_marker("gates") and item.nodeid not in levels.ORDINARY]
+    """Without ``--gates all``, of the tests on the netlist keep those of :mod:`tb.gates.levels`; slow ones if asked for."""
+    def deselect(left):
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if item not in left]
+
+    if "FULL_LINES" not in os.environ:
+        deselect([item for item in items if item.get_closest_marker("slow")])
+    if config.getoption("gates") == "some":
+        deselect([item for item in items if "simulate" in getattr(item, "fixturenames", ())
+                  and item.get_closest_marker("gates") and item.nodeid not in levels.ORDINARY])
 
 
 @pytest.fixture(params=["rtl", pytest.param("gates", marks=pytest.mark.gates)])

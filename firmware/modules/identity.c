@@ -5,6 +5,10 @@
 
 #include "config.h"
 
+/* Of fixed size, so that no other code or data stand elsewhere, nor take other times, for a longer version. */
+static const char own_version[40] = ABBE_VERSION, build_date[24] = ABBE_DATE;
+_Static_assert(sizeof ABBE_VERSION <= sizeof own_version && sizeof ABBE_DATE <= sizeof build_date, "too long");
+
 /* What BU Y gathers: characters of a text, kept in doubles of seven characters of 7 bits each. */
 enum { TEXT_MAX = 20, TEXT_PART = 7, TEXT_PARTS = 3 };
 static double text_parts[TEXT_PARTS];
@@ -48,14 +52,15 @@ static enum status who(const struct request *request, struct reply *reply)
     reply_text(reply, ":A ASI-MS2000-");
     for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
         reply_char(reply, axis_letter(axis));
-    reply_text(reply, "-Abbe-" ABBE_VERSION);
+    reply_text(reply, "-Abbe-");
+    reply_text(reply, own_version);
     return STATUS_OK;
 }
 
 static enum status date(const struct request *request, struct reply *reply)
 {
     (void)request;
-    reply_text(reply, ABBE_DATE);
+    reply_text(reply, build_date);
     return STATUS_OK;
 }
 

@@ -5,7 +5,7 @@ Each case sends what a host sends, records nothing but the pins, and is judged b
 and by pixel counts from the definition floor(K * L / N): pulses exact in number and place, one constant latency of
 10 clocks, jitter of no more than the sampling clock.
 
-Lines are short in the ordinary suite; ``make test-slow`` runs them all at 1 mm (``FULL_LINES=1``).
+Half of the cases and short lines in the ordinary suite; ``make test-slow`` runs them all at 1 mm (``FULL_LINES=1``).
 """
 
 import os
@@ -32,9 +32,10 @@ CASES = {
     "N = 24.4": Scenario(stop=LENGTH, n="24.4"),
     "N = 1": Scenario(stop=LENGTH if FULL else "0.05", n="1", speed="1.0"),
 }
+SLOW = {"forward", "plant at half speed", "coordinates mirrored", "negative direction", "N = 38", "N = 454"}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in CASES])
 def test_every_pixel_of_a_line_is_exact(built, tmp_path, name):
     report = run(CASES[name], tmp_path)
     assert report["failures"] == []

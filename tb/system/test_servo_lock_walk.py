@@ -60,7 +60,7 @@ def first_drive_us(sim, at_ps, length_ps, decided_ps):
     return (int(driven[0]) - decided_ps) / US
 
 
-@pytest.mark.parametrize("kind, compatible", [("short", 0), ("long", 0), ("short", 1)])
+@pytest.mark.parametrize("kind, compatible", [("short", 0), ("long", 0), pytest.param("short", 1, marks=pytest.mark.slow)])
 def test_a_decision_drives_within_two_servo_periods(powered, kind, compatible):
     phase = random.Random(f"{kind} {compatible}")
     threshold_us = 20

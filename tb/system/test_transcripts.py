@@ -9,7 +9,7 @@ from tb.sim.serial_port import SerialPort
 from tb.transcripts.runner import VECTORS, Host, Session
 
 FULL = "FULL_LINES" in os.environ
-SOME = ("identity", "client_sessions", "ttl_ring_zstack", "worked_examples")
+SOME = ("identity", "client_sessions", "ttl_ring_zstack")
 FILES = sorted(path.stem for path in VECTORS.glob("*.txt")) if FULL else SOME
 
 

@@ -3,7 +3,7 @@
 
 The edge comes at any phase of the servo tick; the axis rests, so its PWM pin is low until it is driven. Two servo periods
 are the bound: up to one until a tick sees the edge, and one from a tick to its duties. What the host says meanwhile must
-not matter. Ten edges a mode in ``make test-slow`` (``FULL_LINES=1``), four in the ordinary suite.
+not matter. Ten edges a mode in ``make test-slow`` (``FULL_LINES=1``), three in the ordinary suite.
 """
 
 import os
@@ -15,7 +15,7 @@ from tb.sim.simulator import MS, SIGNALS, US
 
 TICK_US = 100
 BOUND_US = 2 * TICK_US
-EDGES = 10 if "FULL_LINES" in os.environ else 4
+EDGES = 10 if "FULL_LINES" in os.environ else 3
 
 # The original begins within its servo loop of 0.25 ms an axis, and its trigger waits for the loop in progress.
 ORIGINAL_US = 500, 1000
