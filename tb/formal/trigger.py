@@ -16,6 +16,7 @@ class ARecordIsOneSample(Proof):
     rise."""
 
     block = "rtl.trigger"
+    axes, width = 2, 2
     mode = "prove"
     depth = 24
     cover_depth = 44
@@ -29,7 +30,7 @@ class ARecordIsOneSample(Proof):
     }
 
     def harness(self, m, block):
-        m.submodules.dut = dut = one_clock(block.TriggerCapture(axes=2, width=2), "fast")
+        m.submodules.dut = dut = one_clock(block.TriggerCapture(axes=self.axes, width=self.width), "fast")
         time, level, minimum = Signal(3), Signal(), AnyConst(1)
         m.d.comb += [
             level.eq(AnySeq(1)), dut.level.eq(level), dut.settings.enable.eq(AnySeq(1)),
@@ -45,17 +46,17 @@ class ARecordIsOneSample(Proof):
         m.d.formal += stands.eq((dut.record | stands) & ~rise)
         with m.If(age == 1):
             m.d.formal += moment.eq(time)
-        for n in range(2):
-            count, chosen = Signal(signed(2)), Signal(signed(2))
+        for n in range(self.axes):
+            count, chosen = Signal(signed(self.width)), Signal(signed(self.width))
             filter_, of_rise = Signal(FILTER), Signal(FILTER)
             m.d.comb += [
-                count.eq(AnySeq(signed(2))), dut.count[n].eq(count), filter_.eq(AnySeq(FILTER)), dut.filter[n].eq(filter_),
+                count.eq(AnySeq(signed(self.width))), dut.count[n].eq(count), filter_.eq(AnySeq(FILTER)), dut.filter[n].eq(filter_),
             ]
             with m.If(rise):
                 m.d.formal += of_rise.eq(filter_)
             with m.If(age == 2 + of_rise):
                 m.d.formal += chosen.eq(count)
-            stood = register(m, signed(2), dut.o.counts[n])
+            stood = register(m, signed(self.width), dut.o.counts[n])
             m.d.comb += [
                 Assert(~dut.record | (dut.o.counts[n] == chosen)), Assert(~stands | (dut.o.counts[n] == stood)),
                 *self.lemmas(~dut._pulse | (dut._filters[n] == of_rise)),
@@ -72,6 +73,7 @@ class ARecordIsOnePulse(Proof):
     at least twice the minimum apart."""
 
     block = "rtl.trigger"
+    axes, width = 1, 1
     depth = 3
     cover_depth, bug_depth = 40, 60
     widths = "minimum 8"
@@ -83,7 +85,7 @@ class ARecordIsOnePulse(Proof):
     }
 
     def harness(self, m, block):
-        m.submodules.dut = dut = one_clock(block.TriggerCapture(axes=1, width=1), "fast")
+        m.submodules.dut = dut = one_clock(block.TriggerCapture(axes=self.axes, width=self.width), "fast")
         level, enable = Signal(), Signal()
         minimum = AnyConst(8) if self._with_lemmas else Const(block.MINIMUM, 8)         # bugs are found sooner
         started = register(m, 1, 1)

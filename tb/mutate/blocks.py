@@ -38,6 +38,12 @@ class Block:
     most: int = 200
 
 
+
+def at_full_size(proof):
+    """A proof of a small block, of that of the product: mutants are named by its cells."""
+    return type(f"{proof.__name__}AtFullSize", (proof,), {"axes": test_trigger.AXES, "width": 32})
+
+
 LINE = Suite("test_scan_line"),
 SCENARIOS = Suite("test_scan_line", "plays_the_scenario"),
 PWM = Suite("test_pwm", env=(("PERIOD", "60"),)),
@@ -63,7 +69,8 @@ BLOCKS = (
     Block("batch", DecisionBatch, (Suite("test_classifier", "batches"),), proofs=(classifier.DecisionsKeepTheirOrder,),
           most=119),
     Block("trigger", test_trigger.Bench, (Suite("test_trigger", "records"), Suite("test_trigger", "any_two")),
-          part="dut.capture", proofs=(trigger.ARecordIsOnePulse, trigger.ARecordIsOneSample)),
+          part="dut.capture",
+          proofs=(at_full_size(trigger.ARecordIsOnePulse), at_full_size(trigger.ARecordIsOneSample))),
     Block("record queue", lambda: TriggerPeripheral(depth=6), (Suite("test_trigger_registers"),), part="dut.queue"),
     Block("led", LedPwm, (Suite("test_led", "three_clocks|exact"),), proofs=(led.EveryPeriodIsHighOnceForItsShare,)),
 )
