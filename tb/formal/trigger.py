@@ -7,7 +7,7 @@ from tb.formal.crossing import Strobes
 from tb.formal.divider import register
 from tb.formal.proof import AnyConst, AnySeq, Assert, Assume, Cover, Proof, one_clock, two_clocks
 
-FILTER, QUEUE = 4, 1
+FILTER = 4
 
 
 class ARecordIsOneSample(Proof):
@@ -129,6 +129,7 @@ class ARecordReachesTheQueue(Proof):
     on its way, waits, was taken, or is counted as missed."""
 
     block = "rtl.trigger"
+    shape, queue, counted = 8, 1, 4
     depth = 8
     cover_depth, bug_depth = 50, 60
     widths = "record 8, queue of 1, fast at 4 times sync, synchronisers late or not"
@@ -142,36 +143,37 @@ class ARecordReachesTheQueue(Proof):
 
     def harness(self, m, block):
         tick, phase = Signal(), Signal(2)
-        dut = block.RecordQueue(8, depth=QUEUE)
+        dut = block.RecordQueue(self.shape, depth=self.queue)
         m.submodules.dut, synchronisers = two_clocks(dut, fast=Const(1), sync=tick)
         # The first clock of ``sync`` is any of the first four of ``fast``.
         m.d.comb += tick.eq(phase == AnyConst(2))
         m.d.formal += phase.eq(phase + 1)
         since = Signal(6, init=63)                  # clocks of ``fast`` since the last record
         m.d.comb += [
-            dut.given.eq(AnySeq(1)), dut.i.eq(AnySeq(8)), dut.take.eq(AnySeq(1)),
+            dut.given.eq(AnySeq(1)), dut.i.eq(AnySeq(self.shape)), dut.take.eq(AnySeq(1)),
             Assume(~dut.given | (since >= 2 * block.MINIMUM)),
         ]
         m.d.formal += since.eq(Mux(dut.given, 1, since + (since != 63)))
         account = Strobes(m, dut._crossing, tick=Const(1), tock=tick)
         m.d.comb += self.lemmas(*account.lemmas(dut._crossing, synchronisers), ~account.waiting)
 
-        given, waiting = Signal(8), Signal()        # the last record, and that it has not come yet
+        given, waiting = Signal(self.shape), Signal()        # the last record, and that it has not come yet
         came = tick & dut._fifo.w_en
         with m.If(dut.given):
             m.d.formal += given.eq(dut.i)
         with m.If(dut.given | came):
             m.d.formal += waiting.eq(dut.given)
-        total, taken = Signal(4), Signal(4)
+        total, taken = Signal(self.counted), Signal(self.counted)
         m.d.formal += [
             total.eq(total + dut.given), taken.eq(taken + (tick & dut.take & dut._fifo.r_rdy)),
         ]
         m.d.comb += [
             Assert(~came | (waiting & (dut._fifo.w_data == given))), Assert(~dut.given | ~waiting),
             Assert(~waiting | (since <= 24)),
-            Assert(dut.missed.all() | (total == (taken + dut.level + dut.missed + waiting)[:4])),
+            Assert(dut.missed.all() | (total == (taken + dut.level + dut.missed + waiting)[:self.counted])),
             Cover(came & (given == 0x5a) & (total == 2)),
             *self.lemmas(waiting == account.flying, ~waiting | (dut._hold.o == given),
                          dut._crossing.ready | (since <= 24 + 4),
+                         dut._fifo.level < self.queue + dut._fifo.r_rdy, ~dut._fifo.r_rdy | (dut._fifo.level != 0),
                          ~account.flying | (since <= 4 * account.there_ticks + 4)),
         ]

@@ -39,9 +39,13 @@ class Block:
 
 
 
-def at_full_size(proof):
-    """A proof of a small block, of that of the product: mutants are named by its cells."""
-    return type(f"{proof.__name__}AtFullSize", (proof,), {"axes": test_trigger.AXES, "width": 32})
+def of_size(proof, **size):
+    """A proof of a smaller block, of the one that is mutated: mutants are named by its cells."""
+    return type(f"{proof.__name__}OfSize", (proof,), size)
+
+
+CAPTURE = {"axes": test_trigger.AXES, "width": 32}
+QUEUE = {"shape": 64 + 32 * 4, "queue": 6, "counted": 32}
 
 
 LINE = Suite("test_scan_line"),
@@ -70,7 +74,8 @@ BLOCKS = (
           most=119),
     Block("trigger", test_trigger.Bench, (Suite("test_trigger", "records"), Suite("test_trigger", "any_two")),
           part="dut.capture",
-          proofs=(at_full_size(trigger.ARecordIsOnePulse), at_full_size(trigger.ARecordIsOneSample))),
-    Block("record queue", lambda: TriggerPeripheral(depth=6), (Suite("test_trigger_registers"),), part="dut.queue"),
+          proofs=(of_size(trigger.ARecordIsOnePulse, **CAPTURE), of_size(trigger.ARecordIsOneSample, **CAPTURE))),
+    Block("record queue", lambda: TriggerPeripheral(depth=QUEUE["queue"]), (Suite("test_trigger_registers"),), part="dut.queue",
+          proofs=(of_size(trigger.ARecordReachesTheQueue, **QUEUE),)),
     Block("led", LedPwm, (Suite("test_led", "three_clocks|exact"),), proofs=(led.EveryPeriodIsHighOnceForItsShare,)),
 )

@@ -95,7 +95,7 @@ def is_equivalent(directory, part, how):
     """
     top, = (module for module in _modules(directory, "dut.il", part) if re.fullmatch(rf"{re.escape(part)}(\$\d+)?", module))
     for constants in "", "opt_expr; opt_dff -sat; opt_expr; opt_dff -sat; ":
-        finish = f"hierarchy -top {top}; proc; flatten; {constants}opt_clean"
+        finish = f"hierarchy -top {top}; proc; flatten; memory_collect; memory_map; {constants}opt_clean"
         try:
             toolchain.yosys(
                 f"{_cells(directory, 'dut.il', part)}; design -save cells; {finish}; rename {top} gold; design -stash gold; "
@@ -115,7 +115,7 @@ def _named_cells(directory, name, modules):
     found = []
     for module in modules:
         body = re.search(rf"^module \\{re.escape(module)}$.*?^end$", text, re.MULTILINE | re.DOTALL)[0]
-        found += [(module, kind, cell) for kind, cell in re.findall(r"^  cell (\S+) (\S+)$", body, re.MULTILINE)]
+        found += [(module, kind, cell) for kind, cell in re.findall(r"^  cell (\S+) \\?(\S+)$", body, re.MULTILINE)]
     return found
 
 
