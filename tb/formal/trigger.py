@@ -129,7 +129,6 @@ class ARecordReachesTheQueue(Proof):
     on its way, waits, was taken, or is counted as missed."""
 
     block = "rtl.trigger"
-    shape, queue, counted = 8, 1, 4
     depth = 8
     cover_depth, bug_depth = 50, 60
     widths = "record 8, queue of 1, fast at 4 times sync, synchronisers late or not"
@@ -143,37 +142,62 @@ class ARecordReachesTheQueue(Proof):
 
     def harness(self, m, block):
         tick, phase = Signal(), Signal(2)
-        dut = block.RecordQueue(self.shape, depth=self.queue)
+        dut = block.RecordQueue(8, depth=1)
         m.submodules.dut, synchronisers = two_clocks(dut, fast=Const(1), sync=tick)
         # The first clock of ``sync`` is any of the first four of ``fast``.
         m.d.comb += tick.eq(phase == AnyConst(2))
         m.d.formal += phase.eq(phase + 1)
         since = Signal(6, init=63)                  # clocks of ``fast`` since the last record
         m.d.comb += [
-            dut.given.eq(AnySeq(1)), dut.i.eq(AnySeq(self.shape)), dut.take.eq(AnySeq(1)),
+            dut.given.eq(AnySeq(1)), dut.i.eq(AnySeq(8)), dut.take.eq(AnySeq(1)),
             Assume(~dut.given | (since >= 2 * block.MINIMUM)),
         ]
         m.d.formal += since.eq(Mux(dut.given, 1, since + (since != 63)))
         account = Strobes(m, dut._crossing, tick=Const(1), tock=tick)
         m.d.comb += self.lemmas(*account.lemmas(dut._crossing, synchronisers), ~account.waiting)
 
-        given, waiting = Signal(self.shape), Signal()        # the last record, and that it has not come yet
+        given, waiting = Signal(8), Signal()        # the last record, and that it has not come yet
         came = tick & dut._fifo.w_en
         with m.If(dut.given):
             m.d.formal += given.eq(dut.i)
         with m.If(dut.given | came):
             m.d.formal += waiting.eq(dut.given)
-        total, taken = Signal(self.counted), Signal(self.counted)
+        total, taken = Signal(4), Signal(4)
         m.d.formal += [
             total.eq(total + dut.given), taken.eq(taken + (tick & dut.take & dut._fifo.r_rdy)),
         ]
         m.d.comb += [
             Assert(~came | (waiting & (dut._fifo.w_data == given))), Assert(~dut.given | ~waiting),
             Assert(~waiting | (since <= 24)),
-            Assert(dut.missed.all() | (total == (taken + dut.level + dut.missed + waiting)[:self.counted])),
+            Assert(dut.missed.all() | (total == (taken + dut.level + dut.missed + waiting)[:4])),
             Cover(came & (given == 0x5a) & (total == 2)),
             *self.lemmas(waiting == account.flying, ~waiting | (dut._hold.o == given),
                          dut._crossing.ready | (since <= 24 + 4),
-                         dut._fifo.level < self.queue + dut._fifo.r_rdy, ~dut._fifo.r_rdy | (dut._fifo.level != 0),
                          ~account.flying | (since <= 4 * account.there_ticks + 4)),
+        ]
+
+
+class LostRecordsAreCounted(Proof):
+    """Any records at any time, of one clock: ``missed`` rises by one with a record that comes and finds no room, stays at
+    its last value, and changes with nothing else."""
+
+    block = "rtl.trigger"
+    shape, queue = 8, 1
+    depth = 2
+    cover_depth = bug_depth = 30
+    widths = "record 8, queue of 1, missed 32"
+    bugs = {
+        "a record that finds room is counted": ("crossing.o & ~fifo.w_rdy &", "crossing.o &"),
+        "a record that finds no room is not counted": ("crossing.o & ~fifo.w_rdy &", "0 &"),
+        "they are counted by two": ("self.missed + 1", "self.missed + 2"),
+    }
+
+    def harness(self, m, block):
+        dut = block.RecordQueue(self.shape, depth=self.queue)
+        m.submodules.dut = one_clock(one_clock(dut, "fast"), "sync")
+        lost, last = dut._fifo.w_en & ~dut._fifo.w_rdy, (1 << len(dut.missed)) - 1
+        m.d.comb += [
+            dut.given.eq(AnySeq(1)), dut.i.eq(AnySeq(self.shape)), dut.take.eq(AnySeq(1)),
+            Assert(dut.missed == register(m, len(dut.missed), Mux(dut.missed == last, last, dut.missed + lost))),
+            Cover(dut.missed == 2),
         ]

@@ -38,14 +38,13 @@ class Block:
     most: int = 200
 
 
-
 def of_size(proof, **size):
     """A proof of a smaller block, of the one that is mutated: mutants are named by its cells."""
     return type(f"{proof.__name__}OfSize", (proof,), size)
 
 
 CAPTURE = {"axes": test_trigger.AXES, "width": 32}
-QUEUE = {"shape": 64 + 32 * 4, "queue": 6, "counted": 32}
+QUEUE = {"shape": 64 + 32 * test_trigger.AXES, "queue": 6}
 
 
 LINE = Suite("test_scan_line"),
@@ -76,6 +75,6 @@ BLOCKS = (
           part="dut.capture",
           proofs=(of_size(trigger.ARecordIsOnePulse, **CAPTURE), of_size(trigger.ARecordIsOneSample, **CAPTURE))),
     Block("record queue", lambda: TriggerPeripheral(depth=QUEUE["queue"]), (Suite("test_trigger_registers"),), part="dut.queue",
-          proofs=(of_size(trigger.ARecordReachesTheQueue, **QUEUE),)),
+          proofs=(of_size(trigger.LostRecordsAreCounted, **QUEUE),)),
     Block("led", LedPwm, (Suite("test_led", "three_clocks|exact"),), proofs=(led.EveryPeriodIsHighOnceForItsShare,)),
 )
