@@ -97,8 +97,8 @@ class Cpu(wiring.Component):
     ``asleep`` tells a simulator that the next edge of ``cpu`` would change nothing, so that it may leave it
     out: no clock count and no pin is different for it (the CSR ``mcycle`` counts clocks not left out; measure
     time with the timer block).  The core waits in ``wfi`` with both buses idle and no enabled interrupt pending
-    since :data:`SETTLE_CLOCKS` clocks.  It falls in the ``sync`` clock in which an interrupt becomes pending,
-    before the clock edge that follows.
+    since :data:`SETTLE_CLOCKS` clocks.  It falls in the ``sync`` clock in which an interrupt becomes pending, or
+    the reset of ``cpu`` high, before the clock edge that follows.
 
     Interrupts: the core's own controller, 32 lines, mask in CSR 0xBC0, pending in CSR 0xFC0.
 
@@ -155,5 +155,5 @@ class Cpu(wiring.Component):
             m.d.cpu += quiet_clocks.eq(0)
         with m.Elif(~settled):
             m.d.cpu += quiet_clocks.eq(quiet_clocks + 1)
-        m.d.comb += self.asleep.eq(settled & quiet)
+        m.d.comb += self.asleep.eq(settled & quiet & ~ResetSignal("cpu"))
         return m

@@ -30,6 +30,7 @@ from rtl.registers import Field, Register
 from rtl.router import ROUTER_LATENCY
 from rtl.serial import FIFO_BYTES
 from rtl.trigger import RECORDS
+from rtl.watchdog import KICK_WORD, RESET_WORD
 from soc import top
 from soc.header import render_header
 from soc.manual import render_manual
@@ -166,7 +167,7 @@ def files():
                  "FAST_CLOCK_HZ": top.FAST_CLOCK_HZ, "DECODER_LATENCY": DECODER_LATENCY,
                  "LINE_LATENCY": LINE_LATENCY, "ROUTER_LATENCY": ROUTER_LATENCY,
                  "PWM_PERIOD_CLOCKS": PERIOD_CLOCKS, "SERIAL_FIFO_BYTES": FIFO_BYTES, "CLASSIFIER_BATCHES": BATCHES,
-                 "TRIGGER_RECORDS": RECORDS}
+                 "TRIGGER_RECORDS": RECORDS, "WATCHDOG_KICK_WORD": KICK_WORD, "WATCHDOG_RESET_WORD": RESET_WORD}
     return {
         "build/generated/regs.h": render_header(blocks, constants, interrupts),
         "build/generated/memory.ld": render_memory(top.REGIONS),

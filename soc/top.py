@@ -27,6 +27,7 @@ from rtl.serial import SerialPeripheral
 from rtl.snapshot import SnapshotPeripheral
 from rtl.timer import TimerPeripheral
 from rtl.trigger import TriggerPeripheral
+from rtl.watchdog import WatchdogPeripheral
 from soc.bus import BusFaultPeripheral, BusTimeout, RegisterBridge
 from soc.cpu import BUS, Cpu
 from soc.memory import OnChipMemory, Region
@@ -79,6 +80,7 @@ PERIPHERALS = (
     Peripheral("knob", 0xffff_f180, KnobPeripheral),
     Peripheral("report", 0xffff_f200, SerialPeripheral, interrupt=("report", 5)),
     Peripheral("led", 0xffff_f240, LedPeripheral),
+    Peripheral("watchdog", 0xffff_f280, WatchdogPeripheral),
     # From here on within reach of one load or store off x0.
     Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
@@ -97,7 +99,7 @@ PERIPHERALS = (
 
 class Abbe(wiring.Component):
     """The whole controller.  Domains ``sync`` 50 MHz, ``fast`` 200 MHz, and ``cpu``, which is ``sync`` but may
-    be stopped while ``cpu_asleep`` is high (see :class:`soc.cpu.Cpu`).
+    be stopped while ``cpu_asleep`` is high (see :class:`soc.cpu.Cpu`), and which the watchdog resets alone.
 
     Parameters
     ----------
@@ -173,7 +175,8 @@ class Abbe(wiring.Component):
         for name, prefix in DOMAINS.items():
             domain = ClockDomain(name)
             m.domains += domain
-            m.d.comb += [domain.clk.eq(getattr(self, f"{prefix}clk")), domain.rst.eq(getattr(self, f"{prefix}rst"))]
+            reset = getattr(self, f"{prefix}rst") | (self._parts["watchdog"].cpu_reset if name == "cpu" else 0)
+            m.d.comb += [domain.clk.eq(getattr(self, f"{prefix}clk")), domain.rst.eq(reset)]
         for name, part in self._parts.items():
             m.submodules[name] = part
         self._connect_processor(m)

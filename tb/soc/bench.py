@@ -23,9 +23,9 @@ def words(image):
     return "".join(f"{word:08x}\n" for (word,) in struct.iter_unpack("<I", image))
 
 
-def build_program():
-    """Compile ``program/`` for the boot region; returns the path of its hexadecimal image."""
-    sources = sorted((HERE / "program").glob("*.[cS]"))
+def build_program(name="program"):
+    """Compile ``program/<name>.c`` for the boot region; returns the path of its hexadecimal image."""
+    sources = [HERE / "program" / "start.S", HERE / "program" / f"{name}.c"]
     generated = generate.files()
     parts = [generated["build/generated/regs.h"], generated["build/generated/memory.ld"], " ".join(CFLAGS),
              *sources, HERE / "program" / "link.ld", HERE / "program" / "hal" / "mmio.h"]
@@ -60,9 +60,9 @@ def build_bench():
     return directory / "bench"
 
 
-def run(clocks, *arguments):
-    """Run the program for a number of ``sync`` clocks; returns ``([(clock, pin, level)], clocks left out)``."""
-    command = [build_bench(), *arguments, str(clocks), f"+boot={build_program()}"]
+def run(clocks, *arguments, program="program"):
+    """Run a program for a number of ``sync`` clocks; returns ``([(clock, pin, level)], clocks left out)``."""
+    command = [build_bench(), *arguments, str(clocks), f"+boot={build_program(program)}"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     events = [(int(clock), pin, int(level)) for clock, pin, level in map(str.split, done.stdout.splitlines())]
     left_out = int(done.stderr.split("left out ")[1].split()[0])
