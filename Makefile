@@ -114,6 +114,14 @@ firmware: $(READY) ## The firmware image for the soft core
 
 board = @test -n "$(BOARD)" || { echo "usage: make $(firstword $(MAKECMDGOALS)) BOARD=ulx3s-85f"; exit 2; }
 
+image: $(READY) ## The firmware as a signed update, build/firmware/abbe.signed.bin [KEY=: docs/boot.md]
+	@$(MAKE) --no-print-directory -C firmware image $(if $(KEY),KEY=$(abspath $(KEY)))
+
+update: $(READY) ## Put an update into a controller: make update PORT=/dev/ttyUSB0 [IMAGE=...: docs/boot.md]
+	@test -n "$(PORT)" || { echo "usage: make update PORT=/dev/ttyUSB0 [IMAGE=build/firmware/abbe.signed.bin]"; exit 2; }
+	@$(if $(IMAGE),,$(MAKE) --no-print-directory -C firmware image)
+	@$(PYTHON) -m host.update $(PORT) $(or $(IMAGE),build/firmware/abbe.signed.bin)
+
 gateware: $(READY) gen ## A board's bitstream with its report: make gateware BOARD=ulx3s-85f [SEED=1] [ALLOW_MISS=1]
 	$(board)
 	@$(PYTHON) -m soc.gateware $(BOARD) $(if $(SEED),--seed $(SEED)) $(if $(ALLOW_MISS),--allow-miss)
@@ -139,4 +147,4 @@ clean: ## Remove everything built (keeps the tools)
 distclean: clean ## Remove the installed tools too
 	rm -rf .venv
 
-.PHONY: help setup demo sim twin jitter bench bench-timing test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz powercut soak formal mutate lint gen pins firmware gateware gateware-seeds loader flash program clean distclean
+.PHONY: help setup demo sim twin jitter bench bench-timing test test-rtl test-firmware test-system test-twin test-slow test-host test-transcripts test-gates test-numbers fuzz powercut soak formal mutate lint gen pins firmware image update gateware gateware-seeds loader flash program clean distclean

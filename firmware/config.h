@@ -18,10 +18,7 @@
 #error "AXIS_COUNT must be 1 to 4"
 #endif
 
-/** Printed by BUILD X: version of the boot loader, revision of the board. */
-#ifndef BOOT_LOADER_VERSION
-#define BOOT_LOADER_VERSION "1"
-#endif
+/** Printed by BUILD X: revision of the board. */
 #ifndef HARDWARE_REVISION
 #define HARDWARE_REVISION "A"
 #endif

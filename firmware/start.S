@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The application's first instructions, at the start of RAM, and its trap entry. */
+/* The application's first instructions, at the start of RAM behind its image header, and its trap entry. */
 
     .section .start, "ax"
+    /* What imgtool fills in; zeros where the program came with the bitstream. */
+    .space 32
     .globl application_start
 application_start:
+    j begin
+    /* Here stands what the image is for: mark.c. */
+
+    .text
+begin:
     csrw mie, zero
     csrci mstatus, 8
     .option push
@@ -37,7 +44,6 @@ application_start:
 5:  wfi
     j 5b
 
-    .text
     .balign 4
 /* Interrupts do not nest and have no stack of their own: the main loop's has room for a frame. */
 trap_entry:

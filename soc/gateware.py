@@ -118,10 +118,10 @@ def firmware_words(regions):
 
     A board with less RAM than firmware is linked for gets the boot program alone, and the sentence says so.
     """
-    from tb.sim.controller import FIRMWARE, load_segments
+    from tb.sim.controller import BOOT, FIRMWARE, load_segments
     with toolchain.firmware_lock():
         toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
-        segments = list(load_segments(FIRMWARE.read_bytes()))
+        segments = [segment for elf in (BOOT, FIRMWARE) for segment in load_segments(elf.read_bytes())]
     result, whole = {}, True
     for region, linked in zip(regions, REGIONS):
         image = bytearray()

@@ -43,7 +43,7 @@ DOMAINS = {"sync": "", "fast": "fast_", "cpu": "cpu_"}
 """Clock domains, and what their pins' names begin with."""
 
 REGIONS = (
-    Region("boot", plusarg="boot", address=0x0000_0000, size=8 << 10, writable=False),
+    Region("boot", plusarg="boot", address=0x0000_0000, size=32 << 10, writable=False),
     Region("ram", plusarg="firmware", address=0x0002_0000, size=256 << 10, writable=True),
 )
 MEMORY_ADDRESS_BITS = 19

@@ -247,20 +247,13 @@ static enum image_verdict check_digest(const struct image *image, const struct t
     return digest_equals(&digest, tlvs->hash) ? IMAGE_VALID : IMAGE_WRONG_DIGEST;
 }
 
-enum image_verdict image_load(uint32_t address, uint32_t file_bytes, uint32_t counter_least, uint8_t *memory,
-                              struct image *image)
+/* The rest of an image whose beginning was judged and is in `memory`, which is not read again: it is what is signed. */
+static enum image_verdict load_rest(uint32_t address, uint32_t file_bytes, uint8_t *memory, struct image *image)
 {
     enum image_verdict verdict;
     struct tlvs tlvs;
     uint32_t behind;
 
-    memset(image, 0, sizeof *image);
-    if (file_bytes < IMAGE_START_BYTES || !flash_read(address, memory, IMAGE_START_BYTES))
-        return IMAGE_UNREADABLE;
-    verdict = image_check_start(memory, file_bytes, counter_least, image);
-    if (verdict != IMAGE_VALID)
-        return verdict;
-    /* The beginning is not read again: what was judged is what is signed. */
     if (!flash_read(address + IMAGE_START_BYTES, memory + IMAGE_START_BYTES, image->loaded_bytes - IMAGE_START_BYTES))
         return IMAGE_UNREADABLE;
     behind = address + image->loaded_bytes;
@@ -282,4 +275,30 @@ enum image_verdict image_load(uint32_t address, uint32_t file_bytes, uint32_t co
     memcpy(image->hash, tlvs.hash, tlvs.hash_bytes);
     image->hash_bytes = tlvs.hash_bytes;
     return IMAGE_VALID;
+}
+
+enum image_verdict image_load(uint32_t address, uint32_t file_bytes, uint32_t counter_least, uint8_t *memory,
+                              struct image *image)
+{
+    enum image_verdict verdict;
+    uint8_t start[IMAGE_START_BYTES];
+
+    memset(image, 0, sizeof *image);
+    if (file_bytes < IMAGE_START_BYTES || !flash_read(address, start, sizeof start))
+        return IMAGE_UNREADABLE;
+    verdict = image_check_start(start, file_bytes, counter_least, image);
+    if (verdict != IMAGE_VALID)
+        return verdict;
+    memcpy(memory, start, sizeof start);
+    verdict = load_rest(address, file_bytes, memory, image);
+    if (verdict != IMAGE_VALID)
+        memset(memory, 0, sizeof start);
+    return verdict;
+}
+
+bool image_is_application(const uint8_t memory[IMAGE_START_BYTES])
+{
+    const uint8_t *program = memory + IMAGE_HEADER_BYTES;
+
+    return word32(program + 4) == IMAGE_MARK && word32(program + 8) == IMAGE_PRODUCT && word32(program + 12) == REG_MAP_VERSION;
 }

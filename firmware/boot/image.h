@@ -14,6 +14,7 @@
 #ifndef BOOT_IMAGE_H
 #define BOOT_IMAGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -86,9 +87,13 @@ enum image_verdict image_check_start(const uint8_t start[IMAGE_START_BYTES], uin
  *
  * @param address        Of its header in flash.
  * @param file_bytes     Room it is in, all of which may be read.
- * @param memory         IMAGE_RAM_BYTES; overwritten, whatever the verdict.
+ * @param memory         IMAGE_RAM_BYTES. Left alone when the beginning is refused; when the rest is, image_is_application
+ *                       is false of what is there.
  */
 enum image_verdict image_load(uint32_t address, uint32_t file_bytes, uint32_t counter_least, uint8_t *memory,
                               struct image *image);
+
+/** Whether a program for this product and gateware begins in memory; nothing is said of where it comes from. */
+bool image_is_application(const uint8_t memory[IMAGE_START_BYTES]);
 
 #endif

@@ -18,6 +18,7 @@
 #include "modules/modules.h"
 #include "modules/save_positions.h"
 #include "modules/ttl_report.h"
+#include "modules/update.h"
 
 static const uint32_t RECORD_LINES = INTERRUPTS_REPORT | INTERRUPTS_TRIGGER;
 static const uint32_t LINES = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER |
@@ -81,7 +82,7 @@ static void serve_port(void)
 {
     if (save_positions_is_down())
         (void)console_finish(&console);
-    else if (!reset_wanted)
+    else if (!reset_wanted && !update_is_wanted())
         console_poll(&console);
 }
 
@@ -110,6 +111,8 @@ void application_poll(void)
         start(false);
     }
     settings_poll();
+    if (update_is_wanted() && console_finish(&console) && serial_is_quiet())
+        update_enter();
 }
 
 bool application_busy(void)

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "config.h"
+#include "modules/update.h"
 
 /* Of fixed size, so that no other code or data stand elsewhere, nor take other times, for a longer version. */
 static const char own_version[40] = ABBE_VERSION, build_date[24] = ABBE_DATE;
@@ -107,7 +108,8 @@ static void write_build_line(struct reply *reply, unsigned n)
         reply_text(reply, "CMDs: XYZFTR");
         break;
     case BUILD_BOOT:
-        reply_text(reply, "BootLdr V:" BOOT_LOADER_VERSION);
+        reply_text(reply, "BootLdr V:");
+        reply_integer(reply, (int32_t)update_boot_version());
         break;
     case BUILD_HARDWARE:
         reply_text(reply, "Hdwr REV." HARDWARE_REVISION);

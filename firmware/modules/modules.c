@@ -34,6 +34,7 @@
 #include "modules/ttl_report.h"
 #include "modules/tuner.h"
 #include "modules/tuning.h"
+#include "modules/update.h"
 #include "modules/vector.h"
 #include "modules/verbose.h"
 #include "modules/z_stack.h"
@@ -60,6 +61,7 @@ const struct module *const firmware_modules[] = {
     &servo_lock_module,
     &led_dimmer_module,
     &ring_buffer_module,
+    &update_module,
     &z_stack_module,
     &joystick_module,
     &buttons_module,

@@ -5,8 +5,11 @@
 
 #include <regex.h>
 
+#include "boot/handover.h"
 #include "check.h"
+#include "host/mmio.h"
 #include "port.h"
+#include "regs.h"
 #include "sample.h"
 
 static const struct module *const modules[] = {&identity_module, &settings_module, &sample_module,
@@ -63,7 +66,11 @@ TEST(build_is_one_line_and_build_x_lists_axes_and_modules)
 {
     port_start(modules);
     CHECK_TEXT(port_send("BU"), "ABBE_XYZF\r\n");
+    mmio_model_set(REG_WATCHDOG_SCRATCH, handover_started(1, -1));
     CHECK_TEXT(port_send("bu x"), "ABBE_XYZF\rMotor Axes: X Y Z F  \rCMDs: XYZFTR\rBootLdr V:1\r"
+                                  "Hdwr REV.A\rSAMPLE MODULE\r\n");
+    mmio_model_set(REG_WATCHDOG_SCRATCH, 0); /* no boot program started this */
+    CHECK_TEXT(port_send("bu x"), "ABBE_XYZF\rMotor Axes: X Y Z F  \rCMDs: XYZFTR\rBootLdr V:0\r"
                                   "Hdwr REV.A\rSAMPLE MODULE\r\n");
     CHECK_TEXT(port_send("BU Q"), ":N-2\r\n");
 }
@@ -110,7 +117,7 @@ TEST(bu_z_counts_and_wraps_and_is_forgotten)
 
 TEST(build_x_comes_whole_through_a_port_that_takes_a_byte_at_a_time)
 {
-    static const char expected[] = "ABBE_XYZF\rMotor Axes: X Y Z F  \rCMDs: XYZFTR\rBootLdr V:1\r"
+    static const char expected[] = "ABBE_XYZF\rMotor Axes: X Y Z F  \rCMDs: XYZFTR\rBootLdr V:0\r"
                                    "Hdwr REV.A\rSAMPLE MODULE\r\nN\r\n";
     char all[300] = "";
 

@@ -20,7 +20,7 @@ def test_numbers_come_out_alike_on_target_and_host(tmp_path):
 
     from soc import verilog
     design = verilog.write(toolchain.BUILD / "soc")
-    images = controller.write_images(build("firmware/numbers.elf"), tmp_path)
+    images = controller.write_images([build("firmware/boot.elf"), build("firmware/numbers.elf")], tmp_path)
     with Simulator(verilog=design, **images) as sim:
         sim.run_until_lines(1, timeout_ps=2 * S)
         assert sim.serial_read().decode().strip() == expected

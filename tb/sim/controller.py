@@ -13,7 +13,7 @@ from tb import toolchain
 from tb.sim.build import is_built
 from tb.sim.simulator import Simulator
 
-FIRMWARE = toolchain.BUILD / "firmware" / "abbe.elf"
+BOOT, FIRMWARE = (toolchain.BUILD / "firmware" / name for name in ("boot.elf", "abbe.elf"))
 
 
 @dataclass(frozen=True)
@@ -55,10 +55,10 @@ def hex_words(segments, address, size):
     return "".join(f"{word:08x}\n" for word, in struct.iter_unpack("<I", image[:(end + 3) // 4 * 4]))
 
 
-def write_images(elf, directory):
-    """``{plusarg: path}`` of the memory images of a firmware file, one for each region of the SoC."""
+def write_images(elves, directory):
+    """``{plusarg: path}`` of the memory images of programs, boot program and application, one for each region of the SoC."""
     from soc.top import REGIONS
-    segments = list(load_segments(Path(elf).read_bytes()))
+    segments = [segment for elf in elves for segment in load_segments(Path(elf).read_bytes())]
     for address, data in segments:
         if not any(region.address <= address < region.address + region.size for region in REGIONS):
             raise ValueError(f"{len(data)} bytes at {address:#x} belong to no memory")
@@ -95,11 +95,11 @@ def build(say=lambda sentence: None):
     with toolchain.firmware_lock():
         verilog = write_verilog(say)
         toolchain.run(["make", "--no-print-directory", "-C", "firmware"], cwd=toolchain.ROOT)
-        directory = toolchain.BUILD / "sim" / "controller" / toolchain.content_key(verilog, FIRMWARE)
+        directory = toolchain.BUILD / "sim" / "controller" / toolchain.content_key(verilog, BOOT, FIRMWARE)
         with toolchain.cached(directory) as empty:
             if empty:
                 shutil.copy(verilog, directory)
-                write_images(FIRMWARE, directory)
+                write_images([BOOT, FIRMWARE], directory)
     if not is_built(directory / "abbe.v"):
         say("building the simulator of this gateware, which takes minutes")
     return Controller(*(directory / name for name in ("abbe.v", "boot.hex", "firmware.hex")))

@@ -38,7 +38,7 @@ def elf(tmp_path_factory):
 
 
 def test_each_memory_gets_its_part(elf, tmp_path):
-    images = controller.write_images(elf, tmp_path)
+    images = controller.write_images([elf], tmp_path)
     assert images["boot"].read_text().split() == ["00000013", "12345678", "000000ab"]
     words = images["firmware"].read_text().split()
     assert words[:3] == ["04030201", "00000605", "00000000"]
@@ -49,7 +49,7 @@ def test_bytes_outside_every_memory_are_refused(elf, tmp_path):
     subprocess.run(["riscv64-unknown-elf-objcopy", "--change-section-address", ".table=0x80000000",
                     elf, tmp_path / "astray.elf"], check=True)
     with pytest.raises(ValueError, match="0x80000000"):
-        controller.write_images(tmp_path / "astray.elf", tmp_path)
+        controller.write_images([tmp_path / "astray.elf"], tmp_path)
 
 
 def test_a_part_that_runs_over_the_end_is_refused():

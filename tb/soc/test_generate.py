@@ -234,7 +234,7 @@ def test_the_output_depends_on_the_design_alone():
 def test_linker_memory_holds_the_regions_of_the_design():
     text = generate.files()["build/generated/memory.ld"]
     assert re.findall(r"(\w+) \((\w+)\) : ORIGIN = (\w+), LENGTH = (\w+)", text) == [
-        ("boot", "rx", "0x00000000", "0x2000"), ("ram", "rwx", "0x00020000", "0x40000")]
+        ("boot", "rx", "0x00000000", "0x8000"), ("ram", "rwx", "0x00020000", "0x40000")]
 
 
 def test_the_committed_page_is_of_this_design():

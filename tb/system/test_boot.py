@@ -1,24 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The boot program when it cannot start the application: it says why on the serial port, and drives nothing."""
+"""The boot program on the SoC: what it does when there is no application to start, and how soon it starts one."""
 
 import re
 import subprocess
 
 import pytest
+from smp import packet
+from smpclient.requests.image_management import ImageStatesRead
+from smpclient.requests.os_management import EchoWrite, ResetWrite
 
 from tb import toolchain
 from tb.sim import controller
 from tb.sim.simulator import MS
 
-FLAGS = ["-march=rv32im", "-mabi=ilp32", "-misa-spec=2.2", "--specs=picolibc.specs", "-Os", "-ffunction-sections"]
-
-# Stands in for the application; it would show by what it does not say.
-APPLICATION = """
-    .section .start, "ax"
-    .globl application_start
-application_start:
-    j application_start
-"""
+CORE = "-march=rv32im -mabi=ilp32 -misa-spec=2.2 --specs=picolibc.specs"
 
 
 def said(sim):
@@ -30,28 +25,42 @@ def said(sim):
 @pytest.fixture
 def other_gateware(built, tmp_path):
     """Images of a boot program that knows a later register map than this gateware has."""
-    firmware, generated = toolchain.ROOT / "firmware", toolchain.BUILD / "generated"
     header, changed = re.subn(r"(#define REG_MAP_VERSION) (\d+)u", lambda m: f"{m[1]} {int(m[2]) + 1}u",
-                              (generated / "regs.h").read_text())
+                              (toolchain.BUILD / "generated" / "regs.h").read_text())
     assert changed == 1
     (tmp_path / "regs.h").write_text(header)
-    (tmp_path / "application.S").write_text(APPLICATION)
-    (tmp_path / "boot").mkdir()
-    gcc = ["riscv64-unknown-elf-gcc", *FLAGS, "-I", tmp_path, "-I", firmware]
-    objects = []
-    for source in (firmware / "boot" / "boot.S", firmware / "boot" / "boot.c", tmp_path / "application.S"):
-        objects.append(tmp_path / "boot" / f"{source.name}.o")
-        subprocess.run([*gcc, "-c", source, "-o", objects[-1]], check=True)
-    subprocess.run([*gcc, "-nostartfiles", f"-L{generated}", "-T", firmware / "link.ld", *objects,
-                    "-o", tmp_path / "other.elf"], check=True)
-    return controller.write_images(tmp_path / "other.elf", tmp_path)
+    elf = tmp_path / "out" / "boot.elf"
+    subprocess.run(["make", "-C", toolchain.ROOT / "firmware", f"TARGET={elf.parent}", f"CORE_FLAGS={CORE} -I{tmp_path}", elf],
+                   check=True, capture_output=True)
+    return controller.write_images([elf, controller.FIRMWARE], tmp_path)
 
 
-def test_without_an_application_the_boot_program_says_so(built, tmp_path):
+def ask(sim, request):
+    """The answer to an SMP request, as smpclient understands it."""
+    for line in packet.encode(request.BYTES):
+        sim.serial_write(line)
+    decoder, answer = packet.decode(), b""
+    next(decoder)
+    sim.run(30 * MS)
+    answer = sim.serial_read()
+    for line in answer.splitlines(keepends=True):
+        try:
+            decoder.send(line)
+        except StopIteration as end:
+            return request._Response.loads(end.value)
+    raise AssertionError(f"no whole answer: {answer}")
+
+
+def test_without_an_application_the_boot_program_serves_updates(built, tmp_path):
     empty = tmp_path / "empty.hex"
     empty.write_text("00000000\n")
     with controller.Controller(built.verilog, built.boot, empty).power_up() as sim:
-        assert said(sim) == b"Abbe boot: no application\r\n"
+        assert said(sim) == b""
+        assert ask(sim, EchoWrite(d="Abbe")).r == "Abbe"
+        assert ask(sim, ImageStatesRead()).images == []
+        # A reset starts over, and there is still nothing: what is in RAM is not taken for an application twice.
+        ask(sim, ResetWrite())
+        assert ask(sim, EchoWrite(d="again")).r == "again"
 
 
 def test_on_gateware_it_does_not_know_the_boot_program_starts_nothing(built, other_gateware):
