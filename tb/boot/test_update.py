@@ -275,3 +275,24 @@ def test_while_an_image_is_tested_an_upload_takes_its_place(controller, images):
         smpmgr(port, "upgrade", "--slot", 1, images / "newest.bin")
     assert controller.start() == "1 2.0.0"
     assert controller.start() == "0 1.0.0"
+
+
+def make_update(port, image, fails=False):
+    run = subprocess.run([sys.executable, "-m", "host.update", port, image, "--no-wait"], capture_output=True, text=True,
+                         cwd=toolchain.ROOT, timeout=60)
+    assert (run.returncode != 0) == fails, run.stdout + run.stderr
+    return run.stdout + run.stderr
+
+
+def test_make_update_uploads_and_starts_a_test(controller, images):
+    install(controller, images / "good.bin", slot=0)
+    with controller.serve() as port:
+        assert "version 1.0.1.7 is started from slot 1" in make_update(port, images / "newer.bin")
+    assert controller.start() == "1 1.0.1"
+
+
+def test_make_update_says_why_not(controller, images):
+    install(controller, images / "good.bin", slot=0)
+    with controller.serve() as port:
+        assert "update: image for another product" in make_update(port, images / "other-product.bin", fails=True)
+        smpmgr(port, "os", "reset")

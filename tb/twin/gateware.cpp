@@ -32,6 +32,7 @@ Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converte
     add(line_, REG_COMPARE_CONFIG, REG_COMPARE_INTERRUPT);
     add(line_, REG_DIVIDER_AXIS, REG_DIVIDER_MERGED);
     add(line_, REG_ROUTER_OUT0, REG_ROUTER_ENCODER);
+    add(watchdog_, REG_WATCHDOG_CONTROL, REG_WATCHDOG_SCRATCH);
     add(led_, REG_LED_PERIOD, REG_LED_STATUS);
     for (unsigned n = 0; n < AXES; n++)
         add(quadrature_[n], REG_QUADRATURE_CONFIG + n * REG_QUADRATURE_STRIDE,

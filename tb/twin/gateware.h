@@ -27,6 +27,7 @@
 #include "snapshot.h"
 #include "timer.h"
 #include "trigger.h"
+#include "watchdog.h"
 
 namespace twin {
 
@@ -92,6 +93,7 @@ private:
 
     Identity identity_;
     BusFault bus_fault_;
+    Watchdog watchdog_;
     Serial serial_, report_;
     Timer timer_;
     Inputs inputs_;
