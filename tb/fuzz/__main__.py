@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""``make fuzz [RUNS=...]``: libFuzzer on the command language and the binary format, under ASan and UBSan.
+"""``make fuzz [RUNS=...]``: libFuzzer on the command language and the binary format, under ASan and UBSan; with
+``ARGS="--target update"`` on what reaches the boot program: frames and packets of SMP, and images.
 
 Installs clang if it is not there. Inputs that reach new code are kept in ``corpus.hex``, as few as reach it all; one
-that fails is kept in ``build/fuzz/failed``, and the run ends with status 1. At the end the line coverage is printed,
-which must be 90 % at least.
+that fails is kept in ``build/fuzz/failed``, and the run ends with status 1. At the end the line coverage of the
+language is printed, which must be 90 % at least.
 """
 
 import argparse
@@ -14,12 +15,13 @@ import sys
 
 from firmware.manual.commands import rows
 from tb import toolchain
-from tb.fuzz import corpus
+from tb.fuzz import corpus, update_seeds
 from tb.fuzz.dictionary import dictionary, seeds
 
 BUILD = toolchain.BUILD / "fuzz"
 COVERAGE_MIN = 90       # percent of the lines of PARTS
 LENGTH_MAX = 160        # bytes of an input: several lines, or one too long
+UPDATE_LENGTH_MAX = 1024
 
 
 def make(target):
@@ -53,13 +55,12 @@ def ended(process):
     return True
 
 
-def fuzz(target, runs, seconds):
+def fuzz(target, runs, seconds, *, start, words, length_max):
     """Run libFuzzer; the directory of all inputs it found worth keeping, and whether all was well."""
-    modules = rows()
     found, failed = fresh("found"), fresh("failed")
-    corpus.write_files(fresh("start"), [*seeds(modules).values(), *corpus.read()])
-    (BUILD / "language.dict").write_text(dictionary(modules))
-    command = [target, f"-dict={BUILD / 'language.dict'}", f"-runs={runs}", f"-max_len={LENGTH_MAX}",
+    corpus.write_files(fresh("start"), start)
+    (BUILD / "dictionary").write_text(words)
+    command = [target, f"-dict={BUILD / 'dictionary'}", f"-runs={runs}", f"-max_len={length_max}",
                f"-max_total_time={seconds}", "-timeout=20", "-print_final_stats=1", "-entropic=0", "-verbosity=1",
                f"-artifact_prefix={failed}/", found, BUILD / "start"]
     with open(BUILD / "log.txt", "w") as log, subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT) as process:
@@ -110,11 +111,18 @@ def main():
     parser = argparse.ArgumentParser(prog="make fuzz", description=__doc__.split("\n\n")[0])
     parser.add_argument("--runs", type=int, default=10_000_000, help="executions (default %(default)d)")
     parser.add_argument("--seconds", type=int, default=0, help="end after so long; 0: never (default)")
+    parser.add_argument("--target", choices=("language", "update"), default="language", help="what is fuzzed (default %(default)s)")
     options = parser.parse_args()
     if not shutil.which("clang-14"):
         subprocess.run([toolchain.ROOT / "host" / "setup.sh", "clang-14", "libclang-rt-14-dev"], check=True)
-    target = make("fuzz/clang/language")
-    found, good = fuzz(target, options.runs, options.seconds)
+    target = make(f"fuzz/clang/{options.target}")
+    if options.target == "update":
+        _, good = fuzz(target, options.runs, options.seconds, start=update_seeds.seeds(), words=update_seeds.dictionary(),
+                       length_max=UPDATE_LENGTH_MAX)
+        return 0 if good else 1
+    modules = rows()
+    found, good = fuzz(target, options.runs, options.seconds, start=[*seeds(modules).values(), *corpus.read()],
+                       words=dictionary(modules), length_max=LENGTH_MAX)
     if good:
         corpus.write(minimise(target, found))
         good = coverage() >= COVERAGE_MIN

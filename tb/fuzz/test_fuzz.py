@@ -6,7 +6,7 @@ import subprocess
 
 from firmware.manual.commands import rows
 from tb.firmware.host import build
-from tb.fuzz import corpus
+from tb.fuzz import corpus, update_seeds
 from tb.fuzz.dictionary import dictionary, seeds, words
 
 COUNT = 20_000
@@ -19,6 +19,15 @@ def test_no_finding_in_the_corpus_and_in_inputs_made_of_it(tmp_path):
                          errors="replace")
     assert run.returncode == 0, f"SEED={seed}: {run.stdout[-2000:]}{run.stderr[-4000:]}"
     assert run.stdout == f"{len(inputs)} files and {COUNT} inputs made of them\n"
+
+
+def test_no_finding_in_updates_made_of_pieces_of_good_ones(tmp_path):
+    inputs = corpus.write_files(tmp_path, update_seeds.seeds())
+    seed = os.environ.get("SEED", "1")
+    run = subprocess.run([build("host/replay-update"), str(20 * COUNT), seed, *inputs], capture_output=True, text=True,
+                         errors="replace")
+    assert run.returncode == 0, f"SEED={seed}: {run.stdout[-2000:]}{run.stderr[-4000:]}"
+    assert run.stdout == f"{len(inputs)} files and {20 * COUNT} inputs made of them\n"
 
 
 def test_the_dictionary_holds_every_command():
