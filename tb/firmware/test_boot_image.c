@@ -25,12 +25,18 @@ static enum image_verdict load(void)
 
 static enum image_verdict verdict_of(const char *name)
 {
+    memset(boot_memory, 0, IMAGE_START_BYTES);
     nor_flash_reset();
     boot_image_put(name, 0);
     return load();
 }
 
-#define EXPECT(name, verdict) CHECK_TEXT(image_verdict_text(verdict_of(name)), image_verdict_text(verdict))
+/* What was refused is not to be taken for an application. */
+#define EXPECT(name, verdict)                                                                      \
+    do {                                                                                           \
+        CHECK_TEXT(image_verdict_text(verdict_of(name)), image_verdict_text(verdict));             \
+        CHECK_INT(image_is_application(boot_memory), verdict == IMAGE_VALID);                      \
+    } while (0)
 
 TEST(takes_what_imgtool_signs)
 {

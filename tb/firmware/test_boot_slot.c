@@ -97,6 +97,24 @@ TEST(takes_trailers_that_imgtool_makes)
     CHECK_INT(start(), 0);
 }
 
+/* As an erase leaves it that was cut: some bits of the generation are set again, the rest is as it was. */
+TEST(does_not_believe_a_generation_that_is_not_whole)
+{
+    two_images();
+    slot_select(1, true);
+    CHECK_INT(start(), 1);
+    nor_flash[slot_address(1) + FLASH_MAP_SLOT_SIZE - 48 + 1] = 0xff;
+    CHECK_INT(slot_read(1).state, SLOT_UNSELECTED);
+}
+
+TEST(writes_the_counter_only_when_it_grows)
+{
+    nor_flash_reset();
+    for (unsigned n = 0; n < 2000; n++)
+        counter_raise(7);
+    CHECK_INT(nor_flash_changes(), 8);
+}
+
 TEST(never_starts_an_older_one)
 {
     nor_flash_reset();
@@ -208,6 +226,8 @@ TEST(the_counter_survives_every_cut)
 
 TEST_MAIN(RUN(starts_nothing_from_an_empty_flash); RUN(tests_once_and_reverts); RUN(stays_with_what_was_confirmed);
           RUN(starts_the_other_when_one_is_spoilt); RUN(of_two_confirmed_the_last_selected_counts_not_the_version);
-          RUN(takes_trailers_that_imgtool_makes); RUN(never_starts_an_older_one); RUN(counts_through_both_sectors);
+          RUN(takes_trailers_that_imgtool_makes);
+          RUN(does_not_believe_a_generation_that_is_not_whole); RUN(writes_the_counter_only_when_it_grows);
+          RUN(never_starts_an_older_one); RUN(counts_through_both_sectors);
           RUN(does_not_count_below_the_guard); RUN(a_valid_image_runs_after_every_cut);
           RUN(the_counter_survives_every_cut))

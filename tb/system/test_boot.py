@@ -72,3 +72,22 @@ def test_with_both_in_order_the_application_answers(built):
     with built.power_up() as sim:
         assert said(sim) == b""
         assert sim.command("/") == "N\r\n"
+
+
+def test_the_application_leaves_for_the_update_server(built):
+    with built.power_up() as sim:
+        sim.run(10 * MS)
+        assert "BootLdr V:1" in sim.command("BU X")
+        assert sim.command("BU R=1") == ":A \r\n"
+        assert said(sim) == b""
+        assert ask(sim, EchoWrite(d="Abbe")).r == "Abbe"
+        # What is in RAM has run, so it is not trusted: the server again.
+        ask(sim, ResetWrite())
+        assert ask(sim, EchoWrite(d="again")).r == "again"
+
+
+def test_at_held_at_power_up_asks_for_the_update_server(built):
+    with built.power_up(plant_overrides=("contact_bounce_ms=0",)) as sim:
+        sim.set_button("at", 1)
+        sim.run(30 * MS)
+        assert ask(sim, EchoWrite(d="Abbe")).r == "Abbe"
