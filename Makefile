@@ -44,7 +44,7 @@ test-rtl: $(READY) ## Gateware blocks at their pins and over their bus, the quic
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/rtl tb/formal tb/vectors
 
 test-firmware: $(READY) ## Firmware on the host, under sanitizers
-	@$(PYTEST) -n $(JOBS) --dist worksteal tb/firmware tb/board
+	@$(PYTEST) -n $(JOBS) --dist worksteal tb/firmware tb/board tb/boot
 
 test-system: $(READY) ## The real firmware on the real SoC, in Verilator
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/soc tb/sim tb/system
