@@ -8,6 +8,7 @@
 #include "core/events.h"
 #include "core/fault.h"
 #include "core/settings.h"
+#include "hal/flash.h"
 #include "hal/identity.h"
 #include "hal/interrupts.h"
 #include "hal/serial.h"
@@ -19,6 +20,7 @@
 #include "modules/save_positions.h"
 #include "modules/ttl_report.h"
 #include "modules/update.h"
+#include "store/settings_flash.h"
 
 static const uint32_t RECORD_LINES = INTERRUPTS_REPORT | INTERRUPTS_TRIGGER;
 static const uint32_t LINES = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_TIMER |
@@ -60,6 +62,17 @@ static void start(bool power_up)
     interrupts_enable(LINES);
 }
 
+/*
+ * A turn of the main loop while the flash is busy, for up to 400 ms: nothing waits for it but what is being kept.
+ * Ends with the next interrupt.
+ */
+static void turn_while_flash_is_busy(void)
+{
+    if (application_busy())
+        application_poll();
+    interrupts_sleep_unless(application_busy);
+}
+
 bool application_init(void)
 {
     if (!identity_is_known()) {
@@ -72,9 +85,12 @@ bool application_init(void)
         serial_say("Abbe: too many rows or event hooks, not started\r\n");
         return false;
     }
+    if (flash_present())
+        settings_init(settings_flash());
     serial_init(identity_clock_rate_hz(), inputs_rate_bits_per_s());
     console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
     start(true);
+    flash_on_wait(turn_while_flash_is_busy);
     return true;
 }
 
