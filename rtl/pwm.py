@@ -41,6 +41,8 @@ class Pwm(wiring.Component):
         Clocks since the period started: 0 on the clock after ``start``.
     pwm, dir : Out(1)
         Pins, from flip-flops, low after reset.  ``dir`` = 1 drives toward +; 0 for a duty of 0.
+    drive : Out(signed(13))
+        The present drive: the duty of this period, as it was clamped; 0 from the clock after ``off`` on.
     """
 
     def __init__(self, *, period_clocks=PERIOD_CLOCKS):
@@ -50,7 +52,7 @@ class Pwm(wiring.Component):
         # Of this period; for proofs.
         self._on_clocks, self._direction = Signal(12, name="on_clocks"), Signal(name="direction")
         super().__init__({"duty": In(signed(13)), "off": In(1), "start": In(1), "phase": In(unsigned(12)),
-                          "pwm": Out(1), "dir": Out(1)})
+                          "pwm": Out(1), "dir": Out(1), "drive": Out(signed(13))})
 
     def elaborate(self, platform):
         m = Module()
@@ -68,6 +70,7 @@ class Pwm(wiring.Component):
             self.pwm.eq((self.phase < on_clocks) & ~self.off),
             self.dir.eq(direction),
         ]
+        m.d.comb += self.drive.eq(Mux(direction, on_clocks, -on_clocks))
         return m
 
 
@@ -136,8 +139,8 @@ class PwmPeripheral(wiring.Component):
 
     Members
     -------
-    inhibit : In(1)
-        Interlock: all four drives off 1 clock later, see :class:`Pwm`.
+    inhibit : In(4)
+        Interlock: these drives off 1 clock later, see :class:`Pwm`.
     tick_stb : Out(1)
         Servo tick: take a snapshot now.
     latched_stb : In(1)
@@ -147,8 +150,10 @@ class PwmPeripheral(wiring.Component):
     pwm, dir : Out(4)
         Motor pins, one bit per axis, from flip-flops, low after reset.
     motor_enable : Out(1)
-        Power stages on: some axis is enabled and the interlock is quiet.  From a flip-flop, low after reset,
-        1 clock after its causes.
+        Power stages on: some axis is enabled that the interlock does not hold off.  From a flip-flop, low after
+        reset, 1 clock after its causes.
+    drive : Out(signed(13)).array(4)
+        Present drives, see :class:`Pwm`.
     """
 
     class Duty(Register, access="rw"):
@@ -175,7 +180,7 @@ class PwmPeripheral(wiring.Component):
 
     class Status(Register, access="r"):
         """State of the drives."""
-        inhibited: Field(action.R, 1, doc="The interlock holds all drives off now.")
+        inhibited: Field(action.R, AXES, doc="Bit n: the interlock holds axis n off now.")
         driven: Field(action.R, 4, doc="Bit n: the pin of axis n is high now.")
 
     class Interrupt(Register, access="rw"):
@@ -195,8 +200,9 @@ class PwmPeripheral(wiring.Component):
         self._duty_delay = registers.add(self.DutyDelay, offset=0x20)
         memory_map = registers.finish()
         super().__init__({
-            "bus": In(registers.bus_signature), "inhibit": In(1), "tick_stb": Out(1), "latched_stb": In(1),
+            "bus": In(registers.bus_signature), "inhibit": In(AXES), "tick_stb": Out(1), "latched_stb": In(1),
             "interrupt": Out(1), "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
+            "drive": Out(signed(13)).array(AXES),
         })
         self.bus.memory_map = memory_map
 
@@ -221,11 +227,11 @@ class PwmPeripheral(wiring.Component):
             with m.Elif(tick.take):
                 m.d.sync += taken.eq(duty.f.value.data)
             m.d.comb += [
-                axis.duty.eq(Mux(tick.take, duty.f.value.data, taken)), axis.off.eq(self.inhibit | ~enable[n]),
+                axis.duty.eq(Mux(tick.take, duty.f.value.data, taken)), axis.off.eq(self.inhibit[n] | ~enable[n]),
                 axis.start.eq(start), axis.phase.eq(phase),
-                self.pwm[n].eq(axis.pwm), self.dir[n].eq(axis.dir),
+                self.pwm[n].eq(axis.pwm), self.dir[n].eq(axis.dir), self.drive[n].eq(axis.drive),
             ]
-        m.d.sync += self.motor_enable.eq(enable.any() & ~self.inhibit)
+        m.d.sync += self.motor_enable.eq((enable & ~self.inhibit).any())
 
         interrupt = self._interrupt.f
         m.d.comb += [

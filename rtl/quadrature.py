@@ -176,6 +176,8 @@ class QuadraturePeripheral(wiring.Component):
         As of the decoder.
     sample : In(1), fast
         The snapshot's sample strobe: ``Errors`` and ``IndexPosition`` are latched at the end of this clock.
+    error : Out(1), sync
+        Strobe with which ``Status.error`` is set: one for an illegal transition, or for some close to each other.
     """
 
     class Config(Register, access="rw"):
@@ -209,7 +211,7 @@ class QuadraturePeripheral(wiring.Component):
         memory_map = self._registers.finish()
         super().__init__({
             "bus": In(self._registers.bus_signature), "a": In(1), "b": In(1), "z": In(1),
-            "steps": Out(StepStream()), "filter": Out(FILTER_BITS), "sample": In(1),
+            "steps": Out(StepStream()), "filter": Out(FILTER_BITS), "sample": In(1), "error": Out(1),
         })
         self.bus.memory_map = memory_map
 
@@ -236,6 +238,7 @@ class QuadraturePeripheral(wiring.Component):
             crossing = StrobeCrossing(source="fast", destination="sync")
             m.submodules[f"{name}_crossing"] = crossing
             m.d.comb += [crossing.i.eq(strobe), getattr(self._status.f, name).set.eq(crossing.o)]
+        m.d.comb += self.error.eq(m.submodules.error_crossing.o)
 
         for name, value, register in (("errors", decoder.errors, self._errors),
                                       ("index", decoder.index_count, self._index)):

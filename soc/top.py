@@ -15,10 +15,11 @@ from rtl.decisions import ClassifierPeripheral
 from rtl.divider import DividerPeripheral
 from rtl.identity import IdentityPeripheral
 from rtl.inputs import DIP_SWITCHES, InputsPeripheral
-from rtl.interlock import Interlock
+from rtl.interlock import InterlockPeripheral
 from rtl.knob import KNOBS, KnobPeripheral
 from rtl.led import LedPeripheral
 from rtl.line import LinePeripheral
+from rtl.monitor import STEP_BITS
 from rtl.pwm import PwmPeripheral
 from rtl.quadrature import QuadraturePeripheral, StepStream
 from rtl.registers import BUS_WIDTH, csr
@@ -94,6 +95,7 @@ PERIPHERALS = (
     Peripheral("adc", 0xffff_fb00, AdcPeripheral),
     Peripheral("classifier", 0xffff_fb40, ClassifierPeripheral),
     Peripheral("trigger", 0xffff_fb80, TriggerPeripheral, interrupt=("trigger", 6)),
+    Peripheral("interlock", 0xffff_fc00, InterlockPeripheral),
 )
 
 
@@ -209,14 +211,14 @@ class Abbe(wiring.Component):
     def _connect_blocks(self, m):
         parts = self._parts
         inputs, serial, report, pwm = parts["inputs"], parts["serial"], parts["report"], parts["pwm"]
-        snapshot, line, trigger = parts["snapshot"], parts["line"], parts["trigger"]
-        m.submodules.interlock = interlock = Interlock()
+        snapshot, line, trigger, interlock = parts["snapshot"], parts["line"], parts["trigger"], parts["interlock"]
         for name in "limit_lower", "limit_upper", "estop", "in0", "in1", "dip":
             m.d.comb += getattr(inputs, name).eq(getattr(self, name))
         self._connect_panel(m)
         m.d.comb += [
             serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx), self.report_tx.eq(report.tx),
-            interlock.estop.eq(self.estop), pwm.inhibit.eq(interlock.inhibit),
+            interlock.estop.eq(self.estop), interlock.expired.eq(parts["watchdog"].expired),
+            pwm.inhibit.eq(interlock.inhibit),
             self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),
             snapshot.tick.eq(pwm.tick_stb), pwm.latched_stb.eq(snapshot.tick_done),
             self.out0.eq(line.out0), self.sync_out.eq(line.sync_out), self.encoder_out.eq(line.encoder_out),
@@ -230,6 +232,8 @@ class Abbe(wiring.Component):
                 encoder.a.eq(self.enc_a[n]), encoder.b.eq(self.enc_b[n]), encoder.z.eq(self.enc_z[n]),
                 encoder.sample.eq(snapshot.sample), snapshot.positions[n].eq(encoder.steps.count),
                 trigger.filter[n].eq(encoder.filter), trigger.count[n].eq(encoder.steps.count),
+                interlock.low[n].eq(encoder.steps.count[:STEP_BITS]), interlock.illegal[n].eq(encoder.error),
+                interlock.drive[n].eq(pwm.drive[n]),
             ]
             for name in StepStream().members:
                 m.d.comb += getattr(getattr(line, f"step{n}"), name).eq(getattr(encoder.steps, name))

@@ -167,7 +167,7 @@ async def off_is_at_once_and_on_is_with_the_next_period(dut):
         before = dut.dir.value
         assert dut.pwm.value == 0xf and dut.motor_enable.value == 1
         if cause == "inhibit":
-            dut.inhibit.value = 1
+            dut.inhibit.value = 0xf
         else:
             await register_bus.write(dut, CONTROL, 0)
             await FallingEdge(dut.clk)                      # the register holds it from here
@@ -176,7 +176,7 @@ async def off_is_at_once_and_on_is_with_the_next_period(dut):
         assert dut.motor_enable.value == 0
         off_at = len(bench.pins)
         if cause == "inhibit":
-            assert await read(dut, STATUS) == 1
+            assert await read(dut, STATUS) == 0xf
         await ClockCycles(dut.clk, 1 + phase, FallingEdge)
         if cause == "inhibit":
             dut.inhibit.value = 0
@@ -207,7 +207,7 @@ async def an_axis_released_is_not_driven_by_a_duty_from_before(dut):
                 await ClockCycles(dut.clk, bench.rng.randrange(2, 4 * PERIOD - 60), FallingEdge)
                 assert dut.pwm.value == 1
                 if cause == "inhibit":
-                    dut.inhibit.value = 1
+                    dut.inhibit.value = 0xf
                 else:
                     await bench.write(CONTROL, 0)
                 await ClockCycles(dut.clk, 2, FallingEdge)
@@ -272,7 +272,7 @@ async def one_axis_is_disabled_alone(dut):
         await bench.tick()
         await bench.tick()
         assert dut.pwm.value == 0xf & ~(1 << n) and dut.motor_enable.value == 1
-        assert await read(dut, STATUS) == (0xf & ~(1 << n)) << 1
+        assert await read(dut, STATUS) == (0xf & ~(1 << n)) << 4
 
 
 @cocotb.test(timeout_time=50, timeout_unit="ms")
