@@ -118,10 +118,6 @@ class InterlockPeripheral(wiring.Component):
         value: Field(action.RW, unsigned(12), init=1250, unit="clocks of 2500",
                      doc="From this drive on StrongTime counts.")
 
-    class StrongTime(Register, access="rw"):
-        """Patience with strong drive."""
-        value: Field(action.RW, unsigned(16), init=1960, unit="0.5 us", doc="Longest time without way.")
-
     class DriveTime(Register, access="rw"):
         """Patience with drive from Breakaway, or HeldMost, on."""
         value: Field(action.RW, unsigned(16), init=38000, unit="0.5 us", doc="Longest time without way.")
@@ -138,6 +134,10 @@ class InterlockPeripheral(wiring.Component):
     class IllegalTime(Register, access="rw"):
         """Time in which illegal transitions count together."""
         value: Field(action.RW, unsigned(16), init=100, unit="100 us", doc="0 is 65536. Taken when the last is over.")
+
+    class StrongTime(Register, access="rw"):
+        """Patience with strong drive of one axis."""
+        value: Field(action.RW, unsigned(16), init=1920, unit="0.5 us", doc="Longest time without way.")
 
     class Breakaway(Register, access="rw"):
         """Drive that moves one axis."""
@@ -160,10 +160,10 @@ class InterlockPeripheral(wiring.Component):
         self._registers = registers = RegisterBank(addr_width=5)
         at = {}             # register class: its instance, or those of all axes
         for n, register in enumerate((self.Faults, self.Causes, self.Clear, self.Control, self.Way, self.Strong,
-                                      self.StrongTime, self.DriveTime, self.HeldMost, self.IllegalMost,
-                                      self.IllegalTime)):
+                                      self.DriveTime, self.HeldMost, self.IllegalMost, self.IllegalTime)):
             at[register] = registers.add(register, offset=4 * n)
-        for block, register in enumerate((self.Breakaway, self.SpeedMost, self.FollowingMost, self.Expected), 4):
+        for block, register in enumerate((self.StrongTime, self.Breakaway, self.SpeedMost, self.FollowingMost,
+                                          self.Expected), 3):
             name = snake_case(register.__name__)
             at[register] = [registers.add(register, offset=16 * block + 4 * n, name=f"{name}{n}") for n in range(AXES)]
         self._at = at
@@ -218,7 +218,7 @@ class InterlockPeripheral(wiring.Component):
             progress.stb.eq(sampler.stb), progress.step.eq(sampler.steps[axis]), progress.drive.eq(self.drive[axis]),
             progress.hold.eq(control.hold.data[axis]),
             limits.way.eq(self._at[self.Way].f.counts.data), limits.strong.eq(self._value(self.Strong)),
-            limits.strong_samples.eq(self._value(self.StrongTime)), limits.samples.eq(self._value(self.DriveTime)),
+            limits.strong_samples.eq(self._value(self.StrongTime, axis)), limits.samples.eq(self._value(self.DriveTime)),
             limits.breakaway.eq(self._value(self.Breakaway, axis)), limits.held.eq(self._value(self.HeldMost)),
             speed.stb.eq(sampler.stb), speed.window.eq(sampler.window), speed.step.eq(sampler.steps[axis]),
             speed.limit.eq(self._value(self.SpeedMost, axis)),

@@ -13,14 +13,6 @@ void encoder_configure(unsigned axis, unsigned filter_samples, bool invert)
     quadrature_config_write(axis, config);
 }
 
-bool encoder_take_error(unsigned axis)
-{
-    if (quadrature_status_error_get(axis) == 0)
-        return false;
-    quadrature_status_write(axis, REG_QUADRATURE_STATUS_ERROR_MASK);
-    return true;
-}
-
 uint32_t encoder_errors(unsigned axis)
 {
     return quadrature_errors_read(axis);

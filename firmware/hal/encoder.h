@@ -17,9 +17,6 @@ enum { ENCODER_FILTER_MAX = 15 };
  */
 void encoder_configure(unsigned axis, unsigned filter_samples, bool invert);
 
-/** Whether there was an illegal transition since this was asked last. */
-bool encoder_take_error(unsigned axis);
-
 /** Illegal transitions so far, saturating at 65535; as of the last snapshot_now. */
 uint32_t encoder_errors(unsigned axis);
 

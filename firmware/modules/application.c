@@ -13,6 +13,7 @@
 #include "hal/interrupts.h"
 #include "hal/serial.h"
 #include "hal/timer.h"
+#include "hal/watchdog.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
 #include "modules/inputs.h"
@@ -29,12 +30,20 @@ static const uint32_t LINES = INTERRUPTS_TICK | INTERRUPTS_SERIAL | INTERRUPTS_T
 /* Ticks between two turns of the main loop that nothing else asks for: a millisecond. */
 #define TICKS_PER_TURN (1000u / AXIS_TICK_US)
 
+/* The interrupt kicks the watchdog every tick, as long as the main loop comes round; a hung interrupt leaves a
+ * drive on for as long as the first, a hung main loop has one that regulates. */
+#define WATCHDOG_MS 50u
+#define TURN_TICKS_MOST (1000000u / AXIS_TICK_US)
+
 static struct console console;
 static bool reset_wanted;
 static uint32_t lost_seen; /* bytes that came in and found no room */
 
 /* Another turn of the main loop is due. Set by the interrupts, cleared by the main loop. */
 static volatile bool turn_due;
+
+/* Ticks since the main loop came round. Cleared by the main loop. */
+static volatile uint32_t turn_ticks;
 
 /* Of the interrupt. */
 static uint32_t ticks_to_turn;
@@ -59,6 +68,7 @@ static void start(bool power_up)
         if ((*module)->init != NULL)
             (*module)->init();
     reset_wanted = false;
+    application_alive();
     interrupts_enable(LINES);
 }
 
@@ -68,9 +78,15 @@ static void start(bool power_up)
  */
 static void turn_while_flash_is_busy(void)
 {
+    application_alive();
     if (application_busy())
         application_poll();
     interrupts_sleep_unless(application_busy);
+}
+
+void application_alive(void)
+{
+    turn_ticks = 0;
 }
 
 bool application_init(void)
@@ -89,6 +105,7 @@ bool application_init(void)
         settings_init(settings_flash());
     serial_init(identity_clock_rate_hz(), inputs_rate_bits_per_s());
     console_init(&console, serial_receive_ring(), serial_transmit_ring(), serial_kick);
+    watchdog_start(WATCHDOG_MS);
     start(true);
     flash_on_wait(turn_while_flash_is_busy);
     return true;
@@ -105,6 +122,7 @@ static void serve_port(void)
 void application_poll(void)
 {
     turn_due = false;
+    application_alive();
     if (serial_lost() != lost_seen) {
         lost_seen = serial_lost();
         log_error(FAULT_OVERTIME);
@@ -143,6 +161,10 @@ void application_interrupt(void)
     /* The tick first: the duty it computes is taken at the next PWM period. */
     if ((lines & INTERRUPTS_TICK) != 0) {
         axis_tick();
+        if (turn_ticks < TURN_TICKS_MOST) {
+            turn_ticks = turn_ticks + 1;
+            watchdog_kick();
+        }
         if (ticks_to_turn-- == 0) {
             ticks_to_turn = TICKS_PER_TURN - 1;
             turn_due = true;

@@ -24,6 +24,9 @@ extern const struct module application_module;
 /** One turn of the main loop. */
 void application_poll(void);
 
+/** The main loop comes round: said at each turn, and to be said by what keeps it from coming, within a second. */
+void application_alive(void);
+
 /** Whether another turn is due; without other reasons, once a millisecond. */
 bool application_busy(void);
 

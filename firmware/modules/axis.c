@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "hal/inputs.h"
+#include "hal/interlock.h"
 #include "hal/pwm.h"
 #include "hal/snapshot.h"
 
@@ -53,6 +54,7 @@ void axis_init(void)
         loop_free(&a->loop, LOOP_NO_FAULT);
     }
     pwm_set_steps(off);
+    interlock_watch(0, 0);
     pwm_enable((1u << AXIS_COUNT) - 1u);
     pwm_set_tick_periods(AXIS_TICK_PWM_PERIODS);
 }

@@ -6,6 +6,7 @@
 
 #include "core/events.h"
 #include "core/fault.h"
+#include "hal/interlock.h"
 #include "hal/interrupts.h"
 #include "hal/pwm.h"
 #include "hal/snapshot.h"
@@ -33,7 +34,7 @@ void axis_tick(void)
     static unsigned turn; /* which axis is next; AXIS_COUNT: the event */
     uint32_t began = interrupts_cycles();
     struct axis *a = axis_states;
-    int32_t positions[SNAPSHOT_AXES], duties[SNAPSHOT_AXES] = {0};
+    int32_t positions[SNAPSHOT_AXES], duties[SNAPSHOT_AXES] = {0}, expected[SNAPSHOT_AXES] = {0};
     uint32_t now = axis_tick_count + 1, took;
     bool busy = false;
 
@@ -49,8 +50,10 @@ void axis_tick(void)
         busy |= profile_tick(&a->profile);
         busy |= begins(a);
         duties[i] = loop_tick(&a->loop, &a->profile, positions[i]);
+        expected[i] = (int32_t)(a->profile.position_q32 >> 32);
     }
     pwm_set_steps(duties);
+    interlock_expect(expected);
     /* A tick that had more to do leaves the turn to the next. */
     if (!SELDOM(busy)) {
         if (turn < AXIS_COUNT)

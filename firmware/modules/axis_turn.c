@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "hal/inputs.h"
+#include "hal/interlock.h"
 #include "hal/snapshot.h"
 
 static void release(struct axis *a, enum loop_fault fault)
@@ -165,6 +166,26 @@ static void note_fault(struct axis *a, enum loop_fault fault)
     a->fault = fault != LOOP_NOT_SETTLED;
 }
 
+/* Below a count in 20 ms an axis that is told to stay on stands, whatever loads it. */
+#define STANDS_Q16 (65536 * AXIS_TICK_US / 20000)
+
+/* The interlock is to know which axes are regulated, and which may stand against a load. */
+static void tell_interlock(const struct axis *a, unsigned axis, enum loop_maintain maintain)
+{
+    static uint32_t armed, hold;
+    const int32_t step_q16 = (int32_t)(a->profile.step_q48 >> 32);
+    const bool regulated = a->loop.mode > LOOP_SPIN;
+
+    armed &= ~(1u << axis);
+    hold &= ~(1u << axis);
+    if (regulated)
+        armed |= 1u << axis;
+    if (regulated && maintain == LOOP_MAINTAIN_HOLD && step_q16 < (int32_t)STANDS_Q16 &&
+        -step_q16 < (int32_t)STANDS_Q16)
+        hold |= 1u << axis;
+    interlock_watch(armed, hold);
+}
+
 void axis_turn(struct axis *a, unsigned axis, int32_t position_counts, int32_t duty_steps)
 {
     const struct loop_config *config = a->config;
@@ -197,4 +218,5 @@ void axis_turn(struct axis *a, unsigned axis, int32_t position_counts, int32_t d
         a->report.arrivals++;
         a->report.arrival_time_fast = snapshot_tick_time_fast();
     }
+    tell_interlock(a, axis, config->maintain);
 }

@@ -1,19 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * An illegal transition says that counts were lost: the axis is stopped and switched off, as one that
- * does not obey, and 24 is logged. MC axis+ takes it back; where it is, its user must find out.
- *
- * A wire that breaks makes no illegal transition. The count then stands still, and the loop finds a
- * dead axis (servo/loop.c).
- */
+/* Which way an encoder counts. What it does wrong is found by the gateware: modules/interlock.c. */
 #include "modules/encoders.h"
 
-#include <stddef.h>
-
 #include "core/axis.h"
-#include "core/fault.h"
 #include "hal/encoder.h"
-#include "modules/motion.h"
 
 static double polarity[AXIS_COUNT];
 
@@ -26,25 +16,6 @@ static enum status check(unsigned axis, double value)
 static void set(unsigned axis, double value)
 {
     encoder_configure(axis, 0, value < 0);
-}
-
-/* What the pins did before the start is no fault. */
-static void init(void)
-{
-    for (unsigned axis = 0; axis < AXIS_COUNT; axis++)
-        (void)encoder_take_error(axis);
-}
-
-/* One axis a turn. */
-static void poll(void)
-{
-    static unsigned axis;
-
-    axis = (axis + 1) % AXIS_COUNT;
-    if (!encoder_take_error(axis))
-        return;
-    log_error(FAULT_ENCODER);
-    motion_enable(axis, false);
 }
 
 static const struct parameter parameters[] = {
@@ -63,5 +34,5 @@ static const struct command commands[] = {
 };
 
 const struct module encoders_module = {
-    .name = "encoders", .commands = commands, .parameters = parameters, .init = init, .poll = poll,
+    .name = "encoders", .commands = commands, .parameters = parameters,
 };

@@ -14,6 +14,7 @@
 #include "modules/identity.h"
 #include "modules/info.h"
 #include "modules/inputs.h"
+#include "modules/interlock.h"
 #include "modules/joystick.h"
 #include "modules/led_dimmer.h"
 #include "modules/letters.h"
@@ -48,6 +49,7 @@ const struct module *const firmware_modules[] = {
     &tuning_module,
     &motion_module,
     &encoders_module,
+    &interlock_module,
     &approach_module,
     &move_module,
     &home_module,

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "core/events.h"
+#include "modules/interlock.h"
 #include "modules/limits.h"
 #include "modules/tuning.h"
 
@@ -241,6 +242,8 @@ bool motion_halt(void)
 void motion_enable(unsigned axis, bool enable)
 {
     motion_withdraw_prepared();
+    if (enable)
+        interlock_release(axis);
     axis_enable(axis, enable);
     if (!enable) {
         motions[axis].waiting = false;

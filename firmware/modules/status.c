@@ -5,6 +5,7 @@
 
 #include "core/axis.h"
 #include "modules/coordinates.h"
+#include "modules/interlock.h"
 #include "modules/joystick.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
@@ -146,6 +147,8 @@ static double get_enabled(unsigned axis)
 
 static enum status sign_enabled(unsigned axis, bool plus, bool act)
 {
+    if (plus && interlock_is_blocked(axis))
+        return STATUS_FAILED;
     if (act)
         motion_enable(axis, plus);
     return STATUS_OK;

@@ -20,6 +20,7 @@
 #include "core/fault.h"
 #include "hal/pwm.h"
 #include "modules/axis.h"
+#include "modules/interlock.h"
 #include "modules/limits.h"
 #include "modules/motion.h"
 #include "modules/tuning.h"
@@ -95,6 +96,7 @@ static void finish(bool failed)
     tuner.failed = failed;
     tuner.phase = PHASE_NONE;
     axis_spin(tuner.axis, 0);
+    interlock_measure(tuner.axis, false);
     if (failed && tuner.changed)
         tuning_set_gains(tuner.axis, &tuner.old_gains);
     motion_release(tuner.axes, &owner);
@@ -165,6 +167,7 @@ static void begin_run(void)
     turns = 0;
     atomic_signal_fence(memory_order_release);
     recording = true;
+    interlock_measure(tuner.axis, true);
     drive(STRONG_STEPS);
     tuner.phase = PHASE_STRONG;
 }
@@ -194,6 +197,7 @@ static void end_run(void)
 {
     recording = false;
     axis_spin(tuner.axis, 0);
+    interlock_measure(tuner.axis, false);
     run.turn_ms = AXIS_TURN_US / 1000.0;
     run.first_ms = FIRST_MS;
     run.strong_turns = strong_turns;

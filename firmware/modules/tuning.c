@@ -7,6 +7,7 @@
 #include "hal/pwm.h"
 #include "modules/axis.h"
 #include "modules/coordinates.h"
+#include "modules/interlock.h"
 #include "modules/screw.h"
 
 #define GAIN_MAX 32767
@@ -149,6 +150,11 @@ static void apply(unsigned axis)
     gains.kd = strong(axis, gains.kd);
     pid_configure(&config.pid, &gains, AXIS_TICK_US);
     axis_configure(axis, &config);
+    interlock_set_motor(axis, &(struct interlock_motor){
+                                  .friction_steps = gains.friction_steps,
+                                  .inertia_steps_per_counts_per_ms2 = gains.ka / 2.0,
+                                  .runaway_counts = config.runaway_counts,
+                              });
 }
 
 void tuning_apply(unsigned axis)

@@ -14,6 +14,8 @@
 #include <string.h>
 
 #include "closed_loop.h"
+#include "hal/interlock.h"
+#include "interlock_model.h"
 #include "modules/axis.h"
 #include "modules/motion.h"
 #include "modules/screw.h"
@@ -119,6 +121,7 @@ int main(int argc, char **argv)
     struct result far, near;
     unsigned used = 3;
     double slow, fast;
+    struct interlock_nearness interlock;
     FILE *file = NULL;
 
     if (argc < 2)
@@ -159,9 +162,12 @@ int main(int argc, char **argv)
     fast = follow(screw->speed_max_mm_per_s, 20, 0.6 * 9000 / screw->speed_max_mm_per_s - 80, 9.2,
                   screw->counts_per_mm);
     slow = follow(0.0776 * screw->speed_max_mm_per_s, 20, 1000, 20, screw->counts_per_mm);
+    interlock = interlock_model_nearness();
     printf("far_ms=%.1f far_error=%.2f far_later=%.2f near_ms=%.1f near_error=%.2f near_later=%.2f "
-           "fast_rms=%.3f slow_rms=%.3f\n",
-           far.ms, far.error, far.later, near.ms, near.error, near.later, fast, slow);
+           "fast_rms=%.3f slow_rms=%.3f strong=%.2f drive=%.2f speed=%.2f following=%.3f faults=%u\n",
+           far.ms, far.error, far.later, near.ms, near.error, near.later, fast, slow,
+           interlock.strong, interlock.drive, interlock.speed, interlock.following,
+           (unsigned)interlock_faults());
     if (file != NULL)
         fclose(file);
     return 0;

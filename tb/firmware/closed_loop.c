@@ -7,6 +7,7 @@
 
 #include "core/settings.h"
 #include "host/mmio.h"
+#include "interlock_model.h"
 #include "modules/axis.h"
 #include "modules/motion.h"
 #include "port.h"
@@ -31,7 +32,7 @@ static double latched[4]; /* true positions at the last tick */
 static struct decoder {
     unsigned phase;
     int32_t count;
-    bool inverted, error;
+    bool inverted;
 } decoders[4];
 
 static unsigned phase_of(unsigned axis)
@@ -42,49 +43,44 @@ static unsigned phase_of(unsigned axis)
     return b ? 3 - a : a;
 }
 
-static void decode(void)
+static void decode(int64_t at_ps)
 {
     for (unsigned axis = 0; axis < 4; axis++) {
         struct decoder *d = &decoders[axis];
         unsigned phase = phase_of(axis), way = (phase - d->phase) % 4;
 
         d->phase = phase;
-        d->error |= way == 2;
-        if (way % 2 != 0)
-            d->count += (way == 1) != d->inverted ? 1 : -1;
+        if (way == 2)
+            interlock_model_illegal(axis, at_ps);
+        if (way % 2 == 0)
+            continue;
+        d->count += (way == 1) != d->inverted ? 1 : -1;
+        interlock_model_count(axis, at_ps, d->count);
     }
-}
-
-static uint32_t read_status(void *context, uintptr_t address)
-{
-    unsigned offset = (unsigned)(address - REG_QUADRATURE_CONFIG);
-
-    (void)context;
-    if (offset % REG_QUADRATURE_STRIDE != REG_QUADRATURE_STATUS - REG_QUADRATURE_CONFIG)
-        return mmio_model_get(address);
-    return decoders[offset / REG_QUADRATURE_STRIDE].error ? REG_QUADRATURE_STATUS_ERROR_MASK : 0;
 }
 
 static void write_encoder(void *context, uintptr_t address, uint32_t value)
 {
     unsigned offset = (unsigned)(address - REG_QUADRATURE_CONFIG);
-    struct decoder *d = &decoders[offset / REG_QUADRATURE_STRIDE];
 
     (void)context;
     if (offset % REG_QUADRATURE_STRIDE == 0)
-        d->inverted = (value & REG_QUADRATURE_CONFIG_INVERT_MASK) != 0;
-    else if ((value & REG_QUADRATURE_STATUS_ERROR_MASK) != 0)
-        d->error = false;
+        decoders[offset / REG_QUADRATURE_STRIDE].inverted = (value & REG_QUADRATURE_CONFIG_INVERT_MASK) != 0;
 }
 
 static void connect_encoders(void)
 {
+    int32_t counts[4];
+
     mmio_model_hook((struct mmio_hook){
         .first = REG_QUADRATURE_CONFIG,
         .last = REG_QUADRATURE_CONFIG + REG_QUADRATURE_COUNT * REG_QUADRATURE_STRIDE - 4,
-        .read = read_status, .write = write_encoder});
-    for (unsigned axis = 0; axis < 4; axis++)
-        decoders[axis] = (struct decoder){phase_of(axis), (int32_t)board_count(board, axis), 0, 0};
+        .write = write_encoder});
+    for (unsigned axis = 0; axis < 4; axis++) {
+        counts[axis] = (int32_t)board_count(board, axis);
+        decoders[axis] = (struct decoder){phase_of(axis), counts[axis], false};
+    }
+    interlock_model_start(counts);
 }
 
 /* The parameters' text with some values multiplied. */
@@ -123,17 +119,45 @@ static void latch(void)
                        (uint32_t)pins->estop << REG_INPUTS_LEVELS_ESTOP_SHIFT);
 }
 
+static void drive(void)
+{
+    for (unsigned axis = 0; axis < 4; axis++) {
+        const double duty = interlock_model_off(axis) ? 0 : pwm_duty_read(axis) / 2500.0;
+
+        board_drive(board, now_ps, axis, (reversed[axis] ? -1 : 1) * duty + push[axis]);
+    }
+}
+
+/* Encoder edges, and faults that take a drive off, in the order of their times. */
+static void run_until(int64_t end_ps)
+{
+    for (;;) {
+        const int64_t edge_ps = board_next_ps(board), fault_ps = interlock_model_next_ps();
+
+        now_ps = edge_ps < fault_ps ? edge_ps : fault_ps;
+        if (now_ps > end_ps)
+            break;
+        if (edge_ps <= fault_ps) {
+            if (board_next(board, NULL))
+                decode(edge_ps);
+        } else {
+            board_advance(board, fault_ps);
+            interlock_model_run(fault_ps);
+        }
+        drive();
+    }
+    now_ps = end_ps;
+}
+
 static void tick(void)
 {
-    now_ps += TICK_PS;
-    decode(); /* hands on the wires since the last tick */
-    while (board_next_ps(board) <= now_ps)
-        if (board_next(board, NULL))
-            decode();
+    decode(now_ps); /* hands on the wires since the last tick */
+    run_until(now_ps + TICK_PS);
     board_advance(board, now_ps);
+    interlock_model_run(now_ps);
     for (unsigned axis = 0; axis < 4; axis++)
-        board_drive(board, now_ps, axis,
-                    (reversed[axis] ? -1 : 1) * pwm_duty_read(axis) / 2500.0 + push[axis]);
+        interlock_model_drive(axis, now_ps, pwm_duty_read(axis));
+    drive();
     latch();
     axis_tick();
 }
@@ -219,6 +243,11 @@ void closed_loop_push(unsigned axis, double drive)
 void closed_loop_reverse(unsigned axis, bool is_reversed)
 {
     reversed[axis] = is_reversed;
+}
+
+int64_t closed_loop_now_ps(void)
+{
+    return now_ps;
 }
 
 double closed_loop_position(unsigned axis)

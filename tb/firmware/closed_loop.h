@@ -46,6 +46,9 @@ void closed_loop_push(unsigned axis, double drive);
 /** Exchange the wires of a motor. */
 void closed_loop_reverse(unsigned axis, bool reversed);
 
+/** Time of the last tick. */
+int64_t closed_loop_now_ps(void);
+
 /** True position of an axis at the last tick, counts. */
 double closed_loop_position(unsigned axis);
 
