@@ -115,7 +115,7 @@ static void report(unsigned axis, uint32_t faults)
     for (size_t n = 0; n < sizeof codes / sizeof codes[0]; n++)
         if ((faults & codes[n].fault) != 0)
             log_error((uint16_t)(codes[n].code + (codes[n].of_axis ? axis : 0)));
-    motion_enable(axis, false);
+    motion_fail(axis);
 }
 
 static void init(void)

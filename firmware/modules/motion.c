@@ -239,18 +239,30 @@ bool motion_halt(void)
     return commanded;
 }
 
-void motion_enable(unsigned axis, bool enable)
+static void switch_off(unsigned axis, enum motion_end why)
 {
     motion_withdraw_prepared();
-    if (enable)
-        interlock_release(axis);
-    axis_enable(axis, enable);
+    axis_enable(axis, false);
+    motions[axis].waiting = false;
+    motion_forget_legs(&motions[axis]);
+    (void)axis_plan(axis);
+    motion_tell(axis, why);
+}
+
+void motion_enable(unsigned axis, bool enable)
+{
     if (!enable) {
-        motions[axis].waiting = false;
-        motion_forget_legs(&motions[axis]);
-        (void)axis_plan(axis);
-        motion_tell(axis, MOTION_DISABLED);
+        switch_off(axis, MOTION_DISABLED);
+        return;
     }
+    motion_withdraw_prepared();
+    interlock_release(axis);
+    axis_enable(axis, true);
+}
+
+void motion_fail(unsigned axis)
+{
+    switch_off(axis, MOTION_FAULT);
 }
 
 bool motion_enabled(unsigned axis)

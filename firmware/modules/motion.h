@@ -119,6 +119,9 @@ bool motion_halt(void);
 
 /** Take an axis out of control (drive off) or back (at rest where it is). */
 void motion_enable(unsigned axis, bool enable);
+
+/** Switch an axis off that has a fault; until it is enabled again. */
+void motion_fail(unsigned axis);
 bool motion_enabled(unsigned axis);
 
 /** The axis would move if it were told to: enabled, and the emergency stop is not pressed. */

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The SoC alone under Verilator: clocks it, loops the serial line back, and prints every change of an output.
 //
-//   bench [--stop] CLOCKS [+boot=FILE] [+firmware=FILE]
+//   bench [--stop | --hold AT | --estop AT] CLOCKS [+boot=FILE] [+firmware=FILE]
 //
 // Lines on standard output: "<sync clock> <pin> <level>".  With --stop the processor's clock is left out while
-// cpu_asleep is high; the number of clocks left out goes to standard error.
+// cpu_asleep is high; the number of clocks left out goes to standard error.  From clock AT on --hold holds the
+// processor in reset, and --estop presses the emergency stop.
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -17,10 +18,13 @@ int main(int argc, char **argv)
 {
     VerilatedContext context;
     context.commandArgs(argc, argv);
-    bool stop = argc > 1 && !std::strcmp(argv[1], "--stop");
-    long clocks = argc > 1 + stop ? std::atol(argv[1 + stop]) : 0;
+    const auto option = [&](const char *name) { return argc > 1 && !std::strcmp(argv[1], name); };
+    const bool stop = option("--stop"), hold = option("--hold"), estop = option("--estop");
+    const int used = 1 + (stop ? 1 : hold || estop ? 2 : 0);
+    const long at = used == 3 && argc > 2 ? std::atol(argv[2]) : -1;
+    const long clocks = argc > used ? std::atol(argv[used]) : 0;
     if (clocks <= 0) {
-        std::fprintf(stderr, "usage: bench [--stop] CLOCKS [+boot=FILE] [+firmware=FILE]\n");
+        std::fprintf(stderr, "usage: bench [--stop | --hold AT | --estop AT] CLOCKS [+boot=FILE] [+firmware=FILE]\n");
         return 2;
     }
 
@@ -44,6 +48,8 @@ int main(int argc, char **argv)
         }
         if (clock == 3)
             top->rst = top->fast_rst = top->cpu_rst = 0;
+        if (clock == at)
+            (hold ? top->cpu_rst : top->estop) = 1;
         top->serial_rx = top->serial_tx;
         for (auto &output : outputs)
             if (*output.pin != output.last)

@@ -18,6 +18,7 @@
 #include "classifier.h"
 #include "identity.h"
 #include "inputs.h"
+#include "interlock.h"
 #include "knob.h"
 #include "led.h"
 #include "line.h"
@@ -74,6 +75,9 @@ public:
     uint32_t serial_divisor() const { return serial_.divisor(); }
     uint32_t report_divisor() const { return report_.divisor(); }
 
+    /** The watchdog has reset the processor. */
+    bool has_reset() const { return watchdog_.has_reset(); }
+
 private:
     /**
      * Those to which something happens, in the order in which they run at one edge: who looks at another comes before
@@ -83,7 +87,7 @@ private:
     template <class Act> void each(Act &&act)
     {
         act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_);
-        act(pwm_), act(adc_), act(snapshot_), act(trigger_), act(line_), act(led_);
+        act(watchdog_), act(interlock_), act(pwm_), act(adc_), act(snapshot_), act(trigger_), act(line_), act(led_);
         for (Quadrature &quadrature : quadrature_)
             act(quadrature);
     }
@@ -100,6 +104,8 @@ private:
     Buttons buttons_;
     Knobs knobs_;
     Classifier classifier_;
+    Interlock interlock_;
+    Watchdog watchdog_;
     Pwm pwm_;
     Adc adc_;
     Snapshot snapshot_;

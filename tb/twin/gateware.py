@@ -98,7 +98,7 @@ def build():
         if empty:
             toolchain.to_verilog(rtlil, directory / "abbe.v", flatten=True, top="abbe")
     model = build_model(directory / "abbe.v")
-    names = ("lockstep", "stimulus", "gateware", "classifier", "led", "line", "pwm", "quadrature", "serial", "trigger")
+    names = ("lockstep", "stimulus", "gateware", "classifier", "interlock", "led", "line", "pwm", "quadrature", "serial", "trigger")
     sources = [here / f"{name}.cpp" for name in names]
     headers = sorted(here.glob("*.h"))
     include = verilator_root() / "include"

@@ -25,6 +25,9 @@ public:
     /** Powered up on a board, which stays the caller's. */
     explicit Machine(struct board *board);
 
+    /** The processor has been reset, by the watchdog or by order. */
+    bool has_reset() const { return gateware_.has_reset(); }
+
     /** The next edge: everything before it has happened. */
     Time now() const { return now_; }
     int64_t now_ps() const { return now_ * FAST_PS; }

@@ -161,6 +161,11 @@ int run()
     for (;;) {
         application_poll();
         the->spend(TURN);
+        if (the->machine.has_reset()) {
+            /* What a reset of the soft core begins anew cannot be begun anew here. */
+            std::fprintf(stderr, "the processor was reset\n");
+            return 3;
+        }
         do
             interrupts_sleep_unless(application_busy);
         while (!application_busy());

@@ -13,14 +13,10 @@ constexpr Time PERIOD = PERIOD_CLOCKS * SYNC;
 
 } // namespace
 
-Pwm::Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, uint64_t pins)
-    : outputs_(outputs), snapshot_(snapshot), adc_(adc), divider_(REG_PWM_TICK_DIVIDER_VALUE_RESET),
+Pwm::Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, Interlock &interlock)
+    : outputs_(outputs), snapshot_(snapshot), adc_(adc), interlock_(interlock), divider_(REG_PWM_TICK_DIVIDER_VALUE_RESET),
       delay_(REG_PWM_DUTY_DELAY_VALUE_RESET)
 {
-    listens = bit(ESTOP);
-    /* The interlock holds until it has seen the pin. */
-    inhibit_.set(SYNC, pins >> ESTOP & 1);
-    agenda_.add(2 * SYNC, Kind::OFF);
     agenda_.add(PERIOD - SYNC, Kind::START);
 }
 
@@ -38,7 +34,7 @@ uint32_t Pwm::read(uint32_t address, Time edge)
     case REG_PWM_DUTY_DELAY: return delay_;
     case REG_PWM_INTERRUPT: return events_.bits;
     case REG_PWM_STATUS:
-        return (inhibit_.before(edge) ? REG_PWM_STATUS_INHIBITED_MASK : 0) |
+        return inhibit_.before(edge) << REG_PWM_STATUS_INHIBITED_SHIFT |
                uint32_t(outputs_.levels >> PWM & 0xf) << REG_PWM_STATUS_DRIVEN_SHIFT;
     default:
         return uint32_t(duty_[(address - REG_PWM_DUTY0) / 4 % AXES]) & REG_PWM_DUTY0_VALUE_MASK;
@@ -71,10 +67,10 @@ void Pwm::write(uint32_t address, uint32_t value, Time edge)
     }
 }
 
-void Pwm::input(Time edge, uint64_t, uint64_t pins)
+void Pwm::inhibit(uint32_t axes, Time edge)
 {
-    inhibit_.set(sync_from(edge) + SYNC, pins >> ESTOP & 1);
-    agenda_.add(sync_from(edge) + 2 * SYNC, Kind::OFF);
+    inhibit_.set(edge, axes);
+    agenda_.add(edge + SYNC, Kind::OFF);
 }
 
 void Pwm::run(Time edge)
@@ -133,6 +129,7 @@ void Pwm::start(Time edge)
             on_[axis] = std::min(std::abs(taken_[axis]), PERIOD_CLOCKS);
             direction_[axis] = taken_[axis] > 0;
         }
+        interlock_.drive(axis, direction_[axis] ? on_[axis] : -on_[axis], edge);
         moves |= on_[axis] != 0 || (outputs_.levels >> (PWM + axis) & 1) ||
                  direction_[axis] != bool(outputs_.levels >> (DIR + axis) & 1);
     }
@@ -159,8 +156,9 @@ void Pwm::switch_off(Time edge)
             continue;
         taken_[axis] = on_[axis] = 0;
         outputs_.set(edge, PWM + axis, false);
+        interlock_.drive(axis, 0, edge);
     }
-    outputs_.set(edge, MOTOR_ENABLE, enable_ != 0 && !inhibit_.before(edge));
+    outputs_.set(edge, MOTOR_ENABLE, (enable_ & ~inhibit_.before(edge)) != 0);
 }
 
 void Pwm::show(Time edge)

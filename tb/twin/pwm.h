@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/** Motor PWM, servo tick and interlock: rtl/pwm.py, rtl/interlock.py. */
+/** Motor PWM and servo tick: rtl/pwm.py. */
 #ifndef TWIN_PWM_H
 #define TWIN_PWM_H
 
 #include "adc.h"
 #include "agenda.h"
 #include "block.h"
+#include "interlock.h"
 #include "snapshot.h"
 
 namespace twin {
 
 class Pwm final : public Block, public TickListener {
 public:
-    Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, uint64_t pins);
+    Pwm(Outputs &outputs, Snapshot &snapshot, Adc &adc, Interlock &interlock);
+
+    /** These axes are held off from `edge` on. */
+    void inhibit(uint32_t axes, Time edge);
 
     void latched(Time edge) override;
 
     uint32_t read(uint32_t address, Time edge) override;
     void write(uint32_t address, uint32_t value, Time edge) override;
-    void input(Time edge, uint64_t changed, uint64_t pins) override;
     void run(Time edge) override;
 
 private:
@@ -26,7 +29,7 @@ private:
      * OFF: an axis was enabled or disabled, or the interlock changed, a clock ago. */
     enum class Kind { START, TICK, OFF, DRIVE, FALL };
 
-    bool off(unsigned axis, Time edge) const { return inhibit_.before(edge) || !(enable_ >> axis & 1); }
+    bool off(unsigned axis, Time edge) const { return ((inhibit_.before(edge) | ~enable_) >> axis & 1) != 0; }
     void start(Time edge);
     void switch_off(Time edge);
     void drive(Time edge);
@@ -35,12 +38,13 @@ private:
     Outputs &outputs_;
     Snapshot &snapshot_;
     Adc &adc_;
+    Interlock &interlock_;
     Agenda<Kind> agenda_{due};
 
     int32_t duty_[AXES] = {};
     uint32_t enable_ = 0, divider_, delay_;
     EventBits events_;
-    Past<bool> inhibit_{true};
+    Past<uint32_t> inhibit_{(1u << AXES) - 1};
 
     /* The tick divider: starts before the next tick, and before the duties are taken. */
     uint8_t left_ = 0, wait_ = 0;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 #include "quadrature.h"
 
+#include "interlock.h"
+
 namespace twin {
 
 namespace {
@@ -12,8 +14,8 @@ static_assert(DECODER_LATENCY == SYNCHRONISER + 1, "the count follows the judgem
 
 } // namespace
 
-Quadrature::Quadrature(StepListener &listener, unsigned axis, uint64_t pins)
-    : listener_(listener), axis_(axis), a_(pins >> (ENC_A + axis) & 1)
+Quadrature::Quadrature(StepListener &line, Interlock &interlock, unsigned axis, uint64_t pins)
+    : line_(line), interlock_(interlock), axis_(axis), a_(pins >> (ENC_A + axis) & 1)
 {
     listens = bit(ENC_A + axis) | bit(ENC_B + axis) | bit(ENC_Z + axis);
     const unsigned first[WIRES] = {ENC_A, ENC_B, ENC_Z};
@@ -112,6 +114,7 @@ void Quadrature::run(Time edge)
             break;
         case Kind::SET_ERROR:
             status_.set(edge, REG_QUADRATURE_STATUS_ERROR_MASK);
+            interlock_.illegal(axis_, edge);
             break;
         case Kind::SET_INDEX:
             status_.set(edge, REG_QUADRATURE_STATUS_INDEX_MASK);
@@ -158,7 +161,8 @@ void Quadrature::judge(Time edge)
         const bool up = (wire_[A].level ^ change[A]) != (wire_[B].level ^ settings_.before(edge).invert);
         const int32_t count = int32_t(uint32_t(count_.last()) + (up ? 1u : ~0u));
         count_.set(edge + 1, count);
-        listener_.step(axis_, up, count, edge + 1);
+        line_.step(axis_, up, count, edge + 1);
+        interlock_.step(axis_, up, count, edge + 1);
     } else if (change[A]) {
         agenda_.add(edge + 2, Kind::ERROR);
     }
@@ -171,7 +175,7 @@ void Quadrature::judge(Time edge)
         }
     if (change[A]) {
         a_.set(edge + 1, wire_[A].level);
-        listener_.channel_a(axis_, edge + 1);
+        line_.channel_a(axis_, edge + 1);
     }
 }
 

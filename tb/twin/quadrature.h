@@ -19,9 +19,11 @@ protected:
     ~StepListener() = default;
 };
 
+class Interlock;
+
 class Quadrature final : public Block {
 public:
-    Quadrature(StepListener &listener, unsigned axis, uint64_t pins);
+    Quadrature(StepListener &line, Interlock &interlock, unsigned axis, uint64_t pins);
 
     /** Position, and the level of channel A with it. */
     int32_t count(Time edge) const { return count_.before(edge); }
@@ -57,7 +59,8 @@ private:
     void judge(Time edge);
     void pass(ToSync &crossing, Time edge, Kind kind, bool leaves);
 
-    StepListener &listener_;
+    StepListener &line_;
+    Interlock &interlock_;
     const unsigned axis_;
 
     Agenda<Kind> agenda_{due};

@@ -124,6 +124,7 @@ BusStimulus::BusStimulus(Random &random, const std::vector<Field> &fields) : ran
             addresses_.push_back(field.address);
         writable_[field.address] |= field.access != "R";
     }
+    script_.push_back({REG_WATCHDOG_STATUS, 0, false, 15}); /* cold, as never again */
 }
 
 Access BusStimulus::next(const Now &now)
@@ -141,6 +142,8 @@ Access BusStimulus::next(const Now &now)
             script_.push_back({report ? REG_REPORT_DATA : REG_SERIAL_DATA, random_.word(), true, 15});
         script_.push_back({report ? REG_REPORT_STATUS : REG_SERIAL_STATUS, 0, false, 15});
     }
+    if (random_.one_in(30)) /* faults are many, and drives are to be on now and then */
+        script_.push_back({REG_INTERLOCK_CLEAR, ~0u, true, 15});
     if (random_.one_in(60000)) /* empty the trigger's queue, or nearly so */
         for (int64_t n = random_.from(1, 1100); n > 0; n--)
             script_.push_back({REG_TRIGGER_NEXT, random_.word() | 1, true, 15});
@@ -210,6 +213,12 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
     case REG_COMPARE_REFERENCE: return uint32_t(now.count[random_.from(0, 3)] + random_.from(-20, 20));
     case REG_LED_PERIOD:
     case REG_LED_ON: return uint32_t(random_.from(0, random_.one_in(4) ? 600 : 30));
+    case REG_WATCHDOG_TIMEOUT: return uint32_t(random_.from(0, random_.one_in(4) ? 100 : 20000));
+    case REG_WATCHDOG_KICK: return random_.one_in(16) ? random_.word() : WATCHDOG_KICK_WORD;
+    case REG_WATCHDOG_RESET: return random_.one_in(8) ? WATCHDOG_RESET_WORD : random_.word();
+    case REG_INTERLOCK_WAY: return uint32_t(random_.from(0, random_.one_in(4) ? 3 : 15));
+    case REG_INTERLOCK_DRIVE_TIME: return uint32_t(random_.from(0, random_.one_in(4) ? 40 : 3000));
+    case REG_INTERLOCK_ILLEGAL_TIME: return uint32_t(random_.from(0, 5));
     case REG_ROUTER_OUT0: return random_.one_in(3) ? random_.word() : 5;
     case REG_ADC_CONTROL: return !random_.one_in(4);
     case REG_CLASSIFIER_THRESHOLD: return uint32_t(random_.from(0, random_.one_in(2) ? 4 : 60));
@@ -230,6 +239,14 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
                                                                       : REG_COMPARE_CONTROL_ARM_MASK;
     default: break;
     }
+    if (address >= REG_INTERLOCK_STRONG_TIME0 && address < REG_INTERLOCK_BREAKAWAY0)
+        return uint32_t(random_.from(0, random_.one_in(4) ? 40 : 1500));
+    if (address >= REG_INTERLOCK_SPEED_MOST0 && address < REG_INTERLOCK_FOLLOWING_MOST0)
+        return uint32_t(random_.from(0, random_.one_in(2) ? 500 : 20000));
+    if (address >= REG_INTERLOCK_FOLLOWING_MOST0 && address < REG_INTERLOCK_EXPECTED0)
+        return uint32_t(random_.from(0, 3000));
+    if (address >= REG_INTERLOCK_EXPECTED0 && address <= REG_INTERLOCK_EXPECTED3)
+        return uint32_t(now.count[(address - REG_INTERLOCK_EXPECTED0) / 4] + random_.from(-2000, 2000));
     if (address >= REG_QUADRATURE_CONFIG && address < REG_QUADRATURE_CONFIG + AXES * REG_QUADRATURE_STRIDE &&
         (address - REG_QUADRATURE_CONFIG) % REG_QUADRATURE_STRIDE == 0)
         return random_.one_in(2) ? 0 : random_.one_in(3) ? random_.word() : uint32_t(random_.from(0, 3));

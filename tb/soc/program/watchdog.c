@@ -75,12 +75,14 @@ void program(void)
     serial_divisor_write(8);
     const uint32_t starts = watchdog_scratch_read();
     print("start"), number(starts), number(watchdog_status_read()), number((uint32_t)pwm_duty_read(0));
-    number(watchdog_timeout_read()), print("\n");
+    number(watchdog_timeout_read()), number(interlock_faults_read()), print("\n");
     while (!serial_status_tx_idle_get())
         ;
     watchdog_scratch_write(starts + 1);
     watchdog_status_write(REG_WATCHDOG_STATUS_COLD_MASK);
     pwm_duty_write(0, MARK);
+    pwm_control_write(1);
+    interlock_clear_write(~0u);
     /* The moment at which it hits the traffic is another each time. */
     watchdog_timeout_write(3000 + 37 * starts);
     watchdog_control_write(REG_WATCHDOG_CONTROL_ENABLE_MASK);
