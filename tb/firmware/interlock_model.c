@@ -208,7 +208,13 @@ int64_t interlock_model_off_ps(unsigned axis)
 
 bool interlock_model_off(unsigned axis)
 {
-    return (kept & 0x1111u << axis) != 0;
+    return (kept & (0x1111u << axis | REG_INTERLOCK_FAULTS_WATCHDOG_MASK)) != 0;
+}
+
+void interlock_model_reset_processor(void)
+{
+    kept |= REG_INTERLOCK_FAULTS_WATCHDOG_MASK;
+    interlock_model_run(last_ps);
 }
 
 struct interlock_nearness interlock_model_nearness(void)

@@ -19,6 +19,9 @@ void interlock_model_drive(unsigned axis, int64_t now_ps, int32_t steps);
 void interlock_model_count(unsigned axis, int64_t now_ps, int32_t count);
 void interlock_model_illegal(unsigned axis, int64_t now_ps);
 
+/** The watchdog, or an order, resets the processor. */
+void interlock_model_reset_processor(void);
+
 /** When the next fault comes, if nothing else happens before. */
 int64_t interlock_model_next_ps(void);
 

@@ -11,10 +11,17 @@
 #include "closed_loop.h"
 #include "core/fault.h"
 #include "hal/interlock.h"
+#include "hal/interrupts.h"
+#include "hal/watchdog.h"
+#include "host/interrupts.h"
+#include "host/mmio.h"
 #include "interlock_model.h"
+#include "modules/application.h"
 #include "modules/axis.h"
+#include "modules/interlock.h"
 #include "modules/motion.h"
 #include "random.h"
+#include "regs.h"
 
 #define DONE ":A \r\n"
 #define SEND(line) CHECK_TEXT(closed_loop_send(line), DONE)
@@ -267,9 +274,55 @@ TEST(a_nanometre_a_second_is_no_standstill)
     }
 }
 
+static unsigned kicks;
+
+static void count_kick(void *context, uintptr_t address, uint32_t value)
+{
+    (void)context;
+    kicks += address == REG_WATCHDOG_KICK && value == WATCHDOG_KICK_WORD;
+}
+
+/* Each tick kicks the watchdog, for a second after the main loop came round last. */
+TEST(a_main_loop_that_hangs_is_no_longer_covered_for)
+{
+    const unsigned a_second = 1000000 / AXIS_TICK_US;
+
+    start(NULL);
+    mmio_model_hook((struct mmio_hook){
+        .first = REG_WATCHDOG_KICK, .last = REG_WATCHDOG_KICK, .write = count_kick});
+    interrupts_enable(INTERRUPTS_TICK);
+    host_interrupts_set(INTERRUPTS_TICK);
+    application_alive();
+    kicks = 0;
+    for (unsigned n = 0; n < 2 * a_second; n++)
+        application_interrupt();
+    CHECK_INT(kicks, a_second);
+    application_alive();
+    application_interrupt();
+    CHECK_INT(kicks, a_second + 1);
+    host_interrupts_set(0);
+    interrupts_enable(0);
+}
+
+/* After a reset of the processor the axes are released, and the user can see what happened. */
+TEST(a_start_after_the_watchdog_is_logged)
+{
+    start(NULL);
+    mmio_model_set(REG_WATCHDOG_STATUS, WATCHDOG_EXPIRED);
+    interlock_model_reset_processor();
+    CHECK(interlock_model_off(X) && interlock_model_off(Y));
+    interlock_module.init();
+    CHECK_INT(fault_read(0), FAULT_TASK_OVERTIME);
+    CHECK(!interlock_model_off(X) && !interlock_model_off(Y));
+    fault_clear();
+    interlock_module.init();
+    CHECK_INT(fault_read(0), FAULT_NONE);
+}
+
 TEST_MAIN(RUN(a_broken_wire_at_strong_drive_is_off_within_a_millisecond);
           RUN(a_broken_wire_above_breakaway_is_off_within_twenty_milliseconds);
           RUN(a_wire_that_breaks_as_the_axis_starts_is_found_too); RUN(a_broken_wire_in_a_move_moves_little);
           RUN(the_user_is_told_and_takes_it_back_when_the_cause_is_gone);
           RUN(an_axis_that_is_too_fast_is_stopped); RUN(an_axis_that_falls_too_far_behind_is_stopped);
+          RUN(a_main_loop_that_hangs_is_no_longer_covered_for); RUN(a_start_after_the_watchdog_is_logged);
           RUN(a_load_is_held_without_a_fault); RUN(a_nanometre_a_second_is_no_standstill))
