@@ -297,8 +297,10 @@ static void edge_of_clock(struct nor *nor, int64_t time_ps, bool rises, bool mos
         nor->pins.in = (uint8_t)(nor->pins.in << 1 | (mosi ? 1 : 0));
         if (++nor->pins.bits % 8 == 0)
             input(nor, nor->pins.in);
+    } else if (nor->pins.bits % 8 == 0) {
+        nor->pins.out = output(nor, time_ps);
     } else {
-        nor->pins.out = nor->pins.bits % 8 == 0 ? output(nor, time_ps) : (uint8_t)(nor->pins.out << 1 | 1);
+        nor->pins.out = (uint8_t)(nor->pins.out << 1 | 1);
     }
 }
 
