@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""The configuration flash: whole SPI NOR frames, of a few harmless kinds, and a part of it that nothing can change.
+"""The configuration flash: whole SPI NOR frames, of a few harmless kinds, and parts of it that nothing can change.
 
 Commands and times are those that all serial NOR flashes of the class share (JEDEC JESD216; Winbond W25Q128JV, ISSI IS25LP128):
 SPI mode 0, the most significant bit first, 3-byte addresses, sectors of 4 KiB, pages of 256 bytes, at least 50 MHz for plain reads.
@@ -14,11 +14,17 @@ from amaranth.lib.wiring import In, Out, connect, flipped
 
 from rtl.registers import Field, FifoPort, Register, RegisterBank, action
 
-__all__ = ["FlashFrames", "FlashPeripheral", "GUARD", "Opcode", "SECTOR"]
+__all__ = ["FlashFrames", "FlashPeripheral", "GUARD", "JUMP", "LOWEST", "Opcode", "SECTOR"]
 
 SECTOR = 4096
-GUARD = 0x40_0000
+LOWEST = 0x3f_e000
 """Below this byte the bitstreams lie; it can be read, never erased or programmed."""
+
+GUARD = 0x40_0000
+"""The same, once ``lock`` has been given: the boot program's own sectors lie between."""
+
+JUMP = 0xff_f000
+"""The last sector of 16 MiB, with the FPGA's jump to a second bitstream: never erased or programmed either."""
 
 BIT_CLOCKS = 4
 REST_CLOCKS = 8
@@ -46,13 +52,9 @@ class FlashFrames(wiring.Component):
     A frame takes ``4`` clocks from ``start`` to the first bit, 4 clocks a bit (12.5 MHz), 2 or 3 more after each byte, and
     ``4 + REST_CLOCKS`` at its end.  It waits, its clock low, while a word of data is not there or not taken.
 
-    A frame that is not an :class:`Opcode`, one that would change something below ``guard``, and one that is started while another
-    is under way, are refused: nothing leaves.
-
-    Parameters
-    ----------
-    guard : int
-        First byte that may be erased or programmed, a multiple of :data:`SECTOR`; otherwise :exc:`ValueError`.
+    A frame that is not an :class:`Opcode`, one that would change something below ``lowest`` or in the sector :data:`JUMP`, and one
+    that is started while another is under way, are refused: nothing leaves.  A frame changes nothing beyond the sector of its
+    address: a flash that programs wraps within a page.
 
     Members
     -------
@@ -60,6 +62,10 @@ class FlashFrames(wiring.Component):
         Strobe: begin a frame.
     opcode, address, size : In(8), In(24), In(16)
         Of the frame, taken at ``start``.  ``size``: bytes of data; without meaning for frames that have none.
+    lock : In(1)
+        Strobe: from now on ``lowest`` is :data:`GUARD`.  Nothing undoes it but the reset of ``sync``.
+    lowest : Out(24)
+        First byte that may be erased or programmed: :data:`LOWEST` or :data:`GUARD`, as of ``start``.
     abort : In(1)
         Strobe: end the frame under way after at most 4 clocks, wherever it is.
     busy : Out(1)
@@ -80,16 +86,14 @@ class FlashFrames(wiring.Component):
         Pin, asynchronous; taken as ``sck`` rises, 40 ns after it fell.
     """
 
-    def __init__(self, *, guard=GUARD):
-        if guard % SECTOR or not 0 <= guard < 1 << 24:
-            raise ValueError(f"guard must be a sector's first byte below 2^24, not {guard!r}")
-        self._guard = guard
+    def __init__(self):
         # Opcode and address as they are sent, most significant bit first; and what a proof wants to know of the inside.
         self._header, self._addressed = Signal(32, name="header"), Signal(name="addressed")
         self._phase, self._index = Signal(2, name="phase"), Signal(5, name="index")         # of a bit's clocks; of the bits
         self._state = Signal(5)
         super().__init__({
             "start": In(1), "opcode": In(8), "address": In(24), "size": In(16), "abort": In(1), "busy": Out(1), "refused": Out(1),
+            "lock": In(1), "lowest": Out(24, init=LOWEST),
             "word": Out(32), "ready": Out(1), "take": In(1), "put": In(1), "put_word": In(32),
             "cs_n": Out(1, init=1), "sck": Out(1), "mosi": Out(1), "miso": In(1),
         })
@@ -101,12 +105,14 @@ class FlashFrames(wiring.Component):
 
         header, addressed, phase, index = self._header, self._addressed, self._phase, self._index
         reading, changing = Signal(), Signal()
-        known, guarded = Signal(), Signal()
+        known, guarded, sector = Signal(), Signal(), self.address[12:]
         m.d.comb += [
             known.eq(Cat(self.opcode == code for code in Opcode).any()),
             guarded.eq(Cat(self.opcode == code for code in CHANGING).any()
-                       & (self.address[12:] < self._guard >> 12)),
+                       & ((sector < self.lowest[12:]) | (sector == JUMP >> 12))),
         ]
+        with m.If(self.lock):
+            m.d.sync += self.lowest.eq(GUARD)
 
         left, lane = Signal(16), Signal(2)              # bytes to come; place of the next in its word
         shift, assembled = Signal(8), Signal(32)
@@ -236,20 +242,22 @@ class FlashPeripheral(wiring.Component):
         """State of the frame."""
         busy: Field(action.R, 1, doc="A frame is under way.")
         ready: Field(action.R, 1, doc="Reading: Data holds bytes. Programming: Data takes bytes.")
-        refused: Field(action.R, 1, doc="The last frame was refused: an opcode that is not known, something below Guard, or a frame "
-                                        "was under way. Nothing left the chip.")
+        refused: Field(action.R, 1, doc="The last frame was refused: an opcode that is not known, something that cannot be changed, "
+                                        "or a frame was under way. Nothing left the chip.")
 
     class Control(Register, access="w"):
         """Commands."""
         abort: Field(action.W, 1, doc="1: the frame under way ends here.")
+        lock: Field(action.W, 1, doc="1: Guard rises to 0x400000. Nothing undoes it but power-up or a reset of the whole gateware; "
+                                     "a reset of the processor does not.")
 
     class Guard(Register, access="r"):
-        """What software cannot change: the bitstreams."""
-        lowest: Field(action.R, unsigned(24), unit="bytes", doc="The first byte that may be erased or programmed; fixed.")
+        """What software cannot change: all below, and the last sector, from 0xfff000 on."""
+        lowest: Field(action.R, unsigned(24), unit="bytes", doc="The first byte that may be erased or programmed: 0x3fe000 at "
+                                                                "power-up, 0x400000 after Control.lock.")
 
-    def __init__(self, *, guard=GUARD):
-        self._guard = guard
-        self._frames = FlashFrames(guard=guard)
+    def __init__(self):
+        self._frames = FlashFrames()
         self._registers = registers = RegisterBank(addr_width=3)
         self._data = registers.add(self.Data, offset=0x00)
         self._address = registers.add(self.Address, offset=0x04)
@@ -272,9 +280,10 @@ class FlashPeripheral(wiring.Component):
             frames.start.eq(frame.opcode.w_stb), frames.opcode.eq(frame.opcode.w_data), frames.size.eq(frame.size.w_data),
             frames.address.eq(self._address.f.value.data),
             frames.abort.eq(self._control.f.abort.w_stb & self._control.f.abort.w_data),
+            frames.lock.eq(self._control.f.lock.w_stb & self._control.f.lock.w_data),
             data.r_data.eq(frames.word), frames.take.eq(data.r_stb), frames.put_word.eq(data.w_data), frames.put.eq(data.w_stb),
             status.busy.r_data.eq(frames.busy), status.ready.r_data.eq(frames.ready), status.refused.r_data.eq(frames.refused),
-            self._lowest.f.lowest.r_data.eq(self._guard),
+            self._lowest.f.lowest.r_data.eq(frames.lowest),
             self.cs_n.eq(frames.cs_n), self.sck.eq(frames.sck), self.mosi.eq(frames.mosi), frames.miso.eq(self.miso),
         ]
         return m

@@ -12,7 +12,7 @@ __all__ = ["IdentityPeripheral", "MAGIC", "MAP_VERSION"]
 MAGIC = 0x41626265
 """``Abbe`` in ASCII, most significant byte first."""
 
-MAP_VERSION = 5
+MAP_VERSION = 6
 """Version of the register map; raised whenever a register changes its meaning."""
 
 

@@ -18,7 +18,7 @@ from amaranth.lib.wiring import In, Out
 from soc.memory import Region
 from soc.top import CLOCK_HZ, DOMAINS, FAST_CLOCK_HZ, REGIONS, Abbe
 
-__all__ = ["Board", "ClockGate", "ClockGenerator", "PllSettings", "ResetSequencer"]
+__all__ = ["Board", "ClockGate", "ClockGenerator", "ConfigurationClock", "PllSettings", "ResetSequencer"]
 
 MHZ = 1_000_000
 INPUT_HZ = 8 * MHZ, 400 * MHZ
@@ -264,8 +264,33 @@ class ClockGenerator(wiring.Component):
         return m
 
 
+class ConfigurationClock(wiring.Component):
+    """The clock pin of the flash that holds the configuration: the primitive USRMCLK, as the pin is no other I/O's.
+
+    After configuration the first edges may not reach the pin (Lattice FPGA-TN-02039, "ECP5 and ECP5-5G sysCONFIG Usage Guide").
+
+    Members
+    -------
+    i : In(1)
+        Its level.
+    """
+
+    i: In(1)
+
+    def elaborate(self, platform):
+        m = Module()
+        m.submodules.usrmclk = Instance("USRMCLK", i_USRMCLKI=self.i, i_USRMCLKTS=Const(0))
+        return m
+
+
 INTERNAL = {f"{prefix}{signal}" for prefix in DOMAINS.values() for signal in ("clk", "rst")} | {"cpu_asleep"}
 """Members of the controller that are no pins of a board."""
+
+FLASH_CLOCK = "flash_sck"
+"""The output that leaves by a :class:`ConfigurationClock`: no pin of a board either."""
+
+FLASH_STRAPS = "flash_wp_n", "flash_hold_n"
+"""Pins of the flash that are held at 1: four-bit transfers have other uses for them."""
 
 MOVES = "pwm", "motor_enable"
 """Outputs that move things: held low, behind their flip-flops, while the clocks cannot be trusted."""
@@ -278,7 +303,7 @@ class Board(wiring.Component):
     """The controller on a board: every pin of :class:`soc.top.Abbe` under its own name, clocks and reset.
 
     A board is a subclass in ``soc/board_<family>.py`` and ``constraints/<name>.lpf``, which gives every member
-    a place.  It may add members of its own by ``PINS`` and use them in :meth:`system`, and do without some of the
+    a place; those of the flash are the ones that the FPGA is configured by.  It may add members of its own by ``PINS`` and use them in :meth:`system`, and do without some of the
     controller's by ``ABSENT``.  docs/porting.md walks through one.
 
     Class attributes
@@ -323,11 +348,13 @@ class Board(wiring.Component):
 
     def __init__(self, *, build_id=0):
         self.controller = Abbe(build_id=build_id, regions=self.regions())
-        pins = {name: member for name, member in self.controller.signature.members.items() if name not in INTERNAL}
+        pins = {name: member for name, member in self.controller.signature.members.items()
+                if name not in INTERNAL | {FLASH_CLOCK}}
         for name, level in self.ABSENT.items():
             self._check_absent(name, pins.get(name), level)
         self._pins = {name: member for name, member in pins.items() if name not in self.ABSENT}
-        super().__init__({self.oscillator[0]: In(1), **self._pins, **self.PINS})
+        self._straps = dict.fromkeys(FLASH_STRAPS, Out(1)) if "flash_cs_n" in self._pins else {}
+        super().__init__({self.oscillator[0]: In(1), **self._pins, **self._straps, **self.PINS})
 
     def _check_absent(self, name, member, level):
         if member is None:
@@ -362,6 +389,9 @@ class Board(wiring.Component):
                 m.d.comb += inside.eq(outside)
             else:
                 m.d.comb += outside.eq(inside & ~clocks.safe.replicate(len(inside)) if name in MOVES else inside)
+        if self._straps:
+            m.submodules.flash_clock = flash_clock = ConfigurationClock()
+            m.d.comb += [flash_clock.i.eq(getattr(controller, FLASH_CLOCK)), *(getattr(self, name).eq(1) for name in self._straps)]
         for name, level in self.ABSENT.items():
             if level is not None:
                 m.d.comb += getattr(controller, name).eq(level)

@@ -13,6 +13,7 @@ from rtl.buttons import BUTTONS, ButtonsPeripheral
 from rtl.compare import ComparePeripheral
 from rtl.decisions import ClassifierPeripheral
 from rtl.divider import DividerPeripheral
+from rtl.flash import FlashPeripheral
 from rtl.identity import IdentityPeripheral
 from rtl.inputs import DIP_SWITCHES, InputsPeripheral
 from rtl.interlock import InterlockPeripheral
@@ -82,6 +83,7 @@ PERIPHERALS = (
     Peripheral("report", 0xffff_f200, SerialPeripheral, interrupt=("report", 5)),
     Peripheral("led", 0xffff_f240, LedPeripheral),
     Peripheral("watchdog", 0xffff_f280, WatchdogPeripheral),
+    Peripheral("flash", 0xffff_f2c0, FlashPeripheral),
     # From here on within reach of one load or store off x0.
     Peripheral("snapshot", 0xffff_f800, SnapshotPeripheral),
     Peripheral("pwm", 0xffff_f880, PwmPeripheral, interrupt=("tick", 0)),
@@ -132,6 +134,8 @@ class Abbe(wiring.Component):
         Hand-wheels: control knob, X, Y; up when A leads B.
     adc_cs_n, adc_sck, adc_mosi, adc_miso : Out(1), Out(1), Out(1), In(1)
         Analog-to-digital converter, see :mod:`rtl.adc`.
+    flash_cs_n, flash_sck, flash_mosi, flash_miso : Out(1), Out(1), Out(1), In(1)
+        Configuration flash, see :mod:`rtl.flash`; ``flash_miso`` 1 where there is none.
     serial_rx, serial_tx : In(1), Out(1)
         Serial port, idle high.
     report_tx : Out(1)
@@ -165,6 +169,7 @@ class Abbe(wiring.Component):
             "button": In(BUTTONS), "joystick_button": In(1), "dip": In(DIP_SWITCHES),
             "knob_a": In(KNOBS), "knob_b": In(KNOBS),
             "adc_cs_n": Out(1, init=1), "adc_sck": Out(1), "adc_mosi": Out(1), "adc_miso": In(1),
+            "flash_cs_n": Out(1, init=1), "flash_sck": Out(1), "flash_mosi": Out(1), "flash_miso": In(1, init=1),
             "serial_rx": In(1, init=1), "serial_tx": Out(1, init=1),
             "report_tx": Out(1, init=1),
             "pwm": Out(AXES), "dir": Out(AXES), "motor_enable": Out(1),
@@ -210,13 +215,15 @@ class Abbe(wiring.Component):
 
     def _connect_blocks(self, m):
         parts = self._parts
-        inputs, serial, report, pwm = parts["inputs"], parts["serial"], parts["report"], parts["pwm"]
+        inputs, serial, report, pwm, flash = (parts[name] for name in ("inputs", "serial", "report", "pwm", "flash"))
         snapshot, line, trigger, interlock = parts["snapshot"], parts["line"], parts["trigger"], parts["interlock"]
         for name in "limit_lower", "limit_upper", "estop", "in0", "in1", "dip":
             m.d.comb += getattr(inputs, name).eq(getattr(self, name))
         self._connect_panel(m)
         m.d.comb += [
             serial.rx.eq(self.serial_rx), self.serial_tx.eq(serial.tx), self.report_tx.eq(report.tx),
+            self.flash_cs_n.eq(flash.cs_n), self.flash_sck.eq(flash.sck), self.flash_mosi.eq(flash.mosi),
+            flash.miso.eq(self.flash_miso),
             interlock.estop.eq(self.estop), interlock.expired.eq(parts["watchdog"].expired),
             pwm.inhibit.eq(interlock.inhibit),
             self.pwm.eq(pwm.pwm), self.dir.eq(pwm.dir), self.motor_enable.eq(pwm.motor_enable),

@@ -67,7 +67,7 @@ static void start(void)
     struct image image;
     const int slot = flash_present() ? start_load(application, &image) : SLOT_NONE;
 
-    flash_guard(FLASH_MAP_GUARDED_END);
+    flash_lock();
     watchdog_set_warm();
     if (slot != SLOT_NONE) {
         watchdog_start(START_MS);
@@ -83,7 +83,7 @@ static void serve(int running)
     static struct frame frame;
     static uint8_t response[FRAME_PACKET_BYTES];
 
-    flash_guard(FLASH_MAP_GUARDED_END);
+    flash_lock();
     watchdog_set_warm();
     smp_init(application, running);
     while (!smp_reset_wanted()) {

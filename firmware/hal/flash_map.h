@@ -6,7 +6,7 @@
 #include "hal/flash.h"
 
 enum {
-    /* Below this nothing can be erased or programmed once the boot program has locked it: bitstreams, counter. */
+    /* Below this nothing can be erased or programmed after flash_lock: bitstreams, which never can, and counter. */
     FLASH_MAP_GUARDED_END = 0x400000,
 
     /* Oldest version that may be started, two sectors: boot/counter.h. */

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "hal/flash.h"
+#include "hal/flash_map.h"
 #include "random.h"
 
 uint8_t nor_flash[NOR_FLASH_BYTES];
@@ -22,7 +22,7 @@ void nor_flash_reset(void)
 void nor_flash_power_up(void)
 {
     down = false;
-    guard = 0;
+    guard = FLASH_MAP_COUNTER;
     changes_left = (unsigned long)-1;
 }
 
@@ -102,9 +102,9 @@ bool flash_erase(uint32_t address)
     return whole;
 }
 
-void flash_guard(uint32_t lowest)
+void flash_lock(void)
 {
-    guard = lowest;
+    guard = FLASH_MAP_GUARDED_END;
 }
 
 void flash_on_wait(void (*poll)(void))

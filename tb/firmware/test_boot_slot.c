@@ -145,7 +145,7 @@ TEST(does_not_count_below_the_guard)
 {
     nor_flash_reset();
     counter_raise(5);
-    flash_guard(FLASH_MAP_GUARDED_END);
+    flash_lock();
     counter_raise(6);
     CHECK_INT(counter_read(), 5);
 }

@@ -193,9 +193,8 @@ bool flash_erase(uint32_t address)
     return true;
 }
 
-void flash_guard(uint32_t lowest)
+void flash_lock(void)
 {
-    (void)lowest;
 }
 
 void flash_on_wait(void (*poll)(void))

@@ -4,16 +4,17 @@
 import random
 
 import cocotb
-import pytest
 from cocotb.clock import Clock
 from cocotb.triggers import FallingEdge
 
-from rtl.flash import GUARD, FlashFrames, FlashPeripheral
+from rtl.flash import FlashPeripheral
 from tb.models.nor import Nor
 from tb.rtl.register_bus import idle, read, write
 
 DATA, ADDRESS, FRAME, STATUS, CONTROL, LOWEST = range(0, 0x18, 4)
 BUSY, READY, REFUSED = 1, 2, 4
+ABORT, LOCK = 1, 2
+BITSTREAMS_END, LOCKED_END, JUMP, END = 0x3fe000, 0x400000, 0xfff000, 1 << 24
 PROGRAM, READ, READ_STATUS, ENABLE, ERASE, READ_ID, WAKE = 2, 3, 5, 6, 0x20, 0x9f, 0xab
 
 
@@ -106,7 +107,7 @@ async def what_is_programmed_is_read_back(dut, pause):
     assert await bench.bytes(READ_ID, 3) == bytes(Nor.IDENTIFICATION)
     wanted = {}
     for _ in range(12):
-        address = GUARD + bench.rng.randrange(1 << 16)
+        address = LOCKED_END + bench.rng.randrange(1 << 16)
         size = bench.rng.randint(1, min(70, 256 - address % 256))
         data = bench.rng.randbytes(size)
         await bench.change(ERASE, address)
@@ -122,20 +123,52 @@ async def what_is_programmed_is_read_back(dut, pause):
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
-async def nothing_below_the_guard_is_changed(dut):
+async def nothing_guarded_is_changed(dut):
+    """Neither bitstreams nor the jump, ever; nor, from the lock on, what lies between, until a reset."""
     bench = Bench(dut)
     await bench.start()
-    assert await read(dut, LOWEST) == GUARD
-    for opcode in ERASE, PROGRAM:
-        for address in (0, GUARD - 1, GUARD - 4096, bench.rng.randrange(GUARD), GUARD, (1 << 24) - 1):
-            before = len(bench.nor.frames)
-            await bench.frame(opcode, 0, address)
-            refused = address < GUARD
-            assert bool(await bench.status() & REFUSED) == refused and bool(await bench.status() & BUSY) != refused
-            await bench.over()
-            await bench.clocks(20)
-            assert len(bench.nor.frames) == before + (not refused)
-    assert await bench.bytes(READ, 4, 0) == b"\xff" * 4         # may be read
+
+    async def only_from(lowest):
+        assert await read(dut, LOWEST) == lowest
+        edges = (0, BITSTREAMS_END, LOCKED_END, JUMP, END)
+        for opcode in ERASE, PROGRAM:
+            for address in (*(a for edge in edges for a in (edge - 4096, edge - 1, edge) if 0 <= a < END),
+                            bench.rng.randrange(lowest), bench.rng.randrange(lowest, JUMP), bench.rng.randrange(JUMP, END)):
+                before = len(bench.nor.frames)
+                await bench.frame(opcode, 0, address)
+                refused = not lowest <= address < JUMP
+                assert bool(await bench.status() & REFUSED) == refused and bool(await bench.status() & BUSY) != refused
+                await bench.over()
+                await bench.clocks(20)
+                assert len(bench.nor.frames) == before + (not refused)
+
+    await only_from(BITSTREAMS_END)
+    await write(dut, CONTROL, ABORT)
+    await only_from(BITSTREAMS_END)
+    await write(dut, CONTROL, LOCK)
+    await only_from(LOCKED_END)
+    for word in 0, ABORT:
+        await write(dut, CONTROL, word)
+        await only_from(LOCKED_END)
+    for address in 0, JUMP:                                     # may be read
+        assert await bench.bytes(READ, 4, address) == b"\xff" * 4
+    dut.rst.value = 1
+    await bench.clocks(1)
+    dut.rst.value = 0
+    await only_from(BITSTREAMS_END)
+
+
+@cocotb.test(timeout_time=20, timeout_unit="ms")
+async def a_lock_lets_the_frame_under_way_end(dut):
+    bench = Bench(dut)
+    await bench.start()
+    await bench.frame(ENABLE)
+    await bench.over()
+    await bench.frame(PROGRAM, 4, BITSTREAMS_END)
+    await write(dut, CONTROL, LOCK)
+    await write(dut, DATA, 0x01020304)
+    await bench.over()
+    assert bench.nor.memory == {BITSTREAMS_END + n: 4 - n for n in range(4)}
 
 
 @cocotb.test(timeout_time=20, timeout_unit="ms")
@@ -145,7 +178,7 @@ async def only_frames_that_are_known_leave(dut):
     known = {PROGRAM, READ, READ_STATUS, ENABLE, ERASE, READ_ID, WAKE}
     for opcode in range(256):
         before = len(bench.nor.frames)
-        await bench.frame(opcode, 0, GUARD)
+        await bench.frame(opcode, 0, LOCKED_END)
         assert bool(await bench.status() & REFUSED) == (opcode not in known)
         await bench.over()
         assert len(bench.nor.frames) == before + (opcode in known)
@@ -158,9 +191,9 @@ async def only_frames_that_are_known_leave(dut):
 async def a_frame_in_another_is_refused_and_does_not_harm_it(dut):
     bench = Bench(dut)
     await bench.start()
-    bench.nor.memory = {GUARD + n: n for n in range(8)}
-    await bench.frame(READ, 8, GUARD)
-    await bench.frame(ERASE, 0, GUARD)
+    bench.nor.memory = {LOCKED_END + n: n for n in range(8)}
+    await bench.frame(READ, 8, LOCKED_END)
+    await bench.frame(ERASE, 0, LOCKED_END)
     assert await bench.status() & (BUSY | REFUSED) == BUSY | REFUSED
     data = b""
     while len(data) < 8:
@@ -176,12 +209,12 @@ async def a_frame_in_another_is_refused_and_does_not_harm_it(dut):
 async def a_frame_waits_for_its_data_and_can_be_given_up(dut):
     bench = Bench(dut)
     await bench.start()
-    await bench.frame(READ, 100, GUARD)
+    await bench.frame(READ, 100, LOCKED_END)
     await bench.clocks(3000)
     edges = len(bench.edges)
     await bench.clocks(3000)
     assert await bench.status() == BUSY | READY and len(bench.edges) == edges and bench.edges[-1][1:] == (0, 0)
-    await write(dut, CONTROL, 1)
+    await write(dut, CONTROL, ABORT)
     await bench.clocks(6)
     assert bench.edges[-1][1:] == (1, 0)
     await bench.clocks(8)
@@ -195,7 +228,7 @@ async def the_clock_keeps_its_times(dut):
     bench = Bench(dut)
     await bench.start()
     began = bench.clock
-    await bench.bytes(READ, 256, GUARD)
+    await bench.bytes(READ, 256, LOCKED_END)
     spent = bench.clock - began
     rises = [clock for clock, cs_n, sck in bench.edges if not cs_n and sck]
     falls = [clock for clock, cs_n, sck in bench.edges if not cs_n and not sck]
@@ -211,9 +244,3 @@ async def the_clock_keeps_its_times(dut):
 
 def test_peripheral(simulate):
     simulate(FlashPeripheral())
-
-
-def test_arguments_are_checked():
-    for guard in (1, 0x1000 - 1, 1 << 24, -4096):
-        with pytest.raises(ValueError, match="guard"):
-            FlashFrames(guard=guard)
