@@ -129,6 +129,7 @@ async def nothing_guarded_is_changed(dut):
     await bench.start()
 
     async def only_from(lowest):
+        await bench.clocks(1)
         assert await read(dut, LOWEST) == lowest
         edges = (0, BITSTREAMS_END, LOCKED_END, JUMP, END)
         for opcode in ERASE, PROGRAM:

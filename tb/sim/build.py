@@ -15,8 +15,8 @@ from tb.board.library import build as build_library
 
 HERE = Path(__file__).parent
 TB = HERE.parent
-SOURCES = [HERE / "simulator.cpp", TB / "board" / "serial_line.cpp", *board.SOURCES]
-HEADERS = [HERE / "simulator.h", TB / "board" / "serial_line.h", *board.HEADERS]
+SOURCES = [HERE / "simulator.cpp", TB / "board" / "serial_line.cpp", TB / "board" / "nor.c", *board.SOURCES]
+HEADERS = [HERE / "simulator.h", TB / "board" / "serial_line.h", TB / "board" / "nor.h", *board.HEADERS]
 TOP = "abbe"
 
 # -fno-expand and one output file: a tenth faster on this design, measured.

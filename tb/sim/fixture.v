@@ -8,6 +8,7 @@
 //   sync_out          X's count (from its own two-flip-flop decoder) is above 100
 //   encoder_out       A of X, two fast flip-flops late;  out0: in0, likewise
 //   adc_mosi          button[2], one clk late;  adc_cs_n, adc_sck: low
+//   flash             identification asked for again and again, a bit in two clk;  dir[3]: the last bit read, inverted
 //   cpu_asleep        high except for one clk in sixteen, low with estop
 //   dir[2]            toggles every 16 edges of cpu_clk
 module abbe (
@@ -17,7 +18,7 @@ module abbe (
     input [3:0] button, dip, input [2:0] knob_a, knob_b,
     output reg [3:0] pwm, output reg [3:0] dir, output reg motor_enable,
     output out0, output sync_out, output encoder_out, output reg serial_tx, output report_tx, output cpu_asleep,
-    output adc_cs_n, adc_sck, output reg adc_mosi
+    output adc_cs_n, adc_sck, output reg adc_mosi, output flash_cs_n, flash_sck, flash_mosi, input flash_miso
 );
     localparam PERIOD = 2500, DIVISOR = 434;
 
@@ -31,6 +32,18 @@ module abbe (
 
     reg [31:0] work;
     assign {adc_cs_n, adc_sck} = 0;
+
+    // Flash: selected for 32 bits of 64, the first eight of them 0x9f.
+    reg [6:0] flash_time;
+    reg flash_bit;
+    localparam [7:0] READ_ID = 8'h9f;
+    assign flash_cs_n = flash_time[6] || rst;
+    assign flash_sck = !flash_cs_n && flash_time[0];
+    assign flash_mosi = flash_time[6:1] < 8 && READ_ID[3'd7 - flash_time[3:1]];
+    always @(posedge clk) begin
+        flash_time <= rst ? 0 : flash_time + 1;
+        flash_bit <= flash_sck ? flash_miso : flash_bit;
+    end
     always @(posedge clk) adc_mosi <= button[2];
 
     // Drive.
@@ -41,7 +54,7 @@ module abbe (
         end else begin
             phase <= phase == PERIOD - 1 ? 0 : phase + 1;
             pwm <= {2'b0, phase < firmware[1], phase < firmware[0]};
-            dir <= {1'b0, work[4], 2'b01};
+            dir <= {!flash_bit, work[4], 2'b01};
             motor_enable <= !estop;
         end
 

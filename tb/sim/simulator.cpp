@@ -10,12 +10,15 @@
 #include <vector>
 
 #include "Vabbe.h"
+#include "board/nor.h"
 #include "board/serial_line.h"
 #include "verilated.h"
 
 /* What Vabbe::eval() does for the design itself. Around it eval() also empties message queues and deletes objects,
  * under a lock; eight times a `sync` clock that costs a fifth of the speed, so it is done once per run. */
 void Vabbe___024root___eval(Vabbe___024root *root);
+
+static_assert(SIM_FLASH_BYTES == NOR_BYTES, "size of the flash");
 
 namespace {
 
@@ -29,6 +32,11 @@ struct Scheduled {
     int64_t time_ps;
     board_input input;
     int level;
+};
+
+struct Flash {
+    std::vector<uint8_t> bytes = std::vector<uint8_t>(NOR_BYTES, 0xff);
+    nor chip;
 };
 
 /** Move up to `size` elements from the front of `from` to `to`. */
@@ -55,7 +63,8 @@ struct sim {
     uint64_t awake_clocks = 0;
 
     uint32_t levels = 0;
-    uint32_t converter = 0; /* pins of the analog-to-digital converter */
+    std::unique_ptr<Flash> flash;
+    uint32_t spi = 0; /* pins of the analog-to-digital converter and of the flash */
     uint32_t recorded = 0;
     uint32_t stop_rise = 0, stop_fall = 0;
     bool stop = false;
@@ -69,6 +78,7 @@ struct sim {
         top = std::make_unique<Vabbe>(&context, "abbe");
         top->clk = top->fast_clk = top->cpu_clk = 0;
         top->rst = top->fast_rst = top->cpu_rst = 1;
+        top->flash_miso = 1;
         show_inputs(0);
         top->eval();
         levels |= controller_fast() | controller_sync();
@@ -185,16 +195,22 @@ struct sim {
         plan();
     }
 
-    uint32_t controller_converter() const
+    uint32_t controller_spi() const
     {
-        return uint32_t(top->adc_cs_n) << 2 | uint32_t(top->adc_sck) << 1 | top->adc_mosi;
+        return uint32_t(top->adc_cs_n) << 5 | uint32_t(top->adc_sck) << 4 | uint32_t(top->adc_mosi) << 3 |
+               uint32_t(top->flash_cs_n) << 2 | uint32_t(top->flash_sck) << 1 | top->flash_mosi;
     }
 
-    void converter_changed(int64_t time_ps)
+    void spi_changed(int64_t time_ps)
     {
-        converter = controller_converter();
-        board_adc_pins(stage, time_ps, top->adc_cs_n, top->adc_sck, top->adc_mosi);
-        plan();
+        const uint32_t changed = spi ^ controller_spi();
+        spi ^= changed;
+        if (changed >> 3) {
+            board_adc_pins(stage, time_ps, top->adc_cs_n, top->adc_sck, top->adc_mosi);
+            plan();
+        }
+        if ((changed & 7) && flash)
+            top->flash_miso = nor_pins(&flash->chip, time_ps, top->flash_cs_n, top->flash_sck, top->flash_mosi) != 0;
     }
 
     void evaluate() { Vabbe___024root___eval(top->rootp); }
@@ -214,8 +230,8 @@ struct sim {
             const uint32_t now = controller_sync();
             if ((levels ^ now) & CONTROLLER_SYNC)
                 controller_changed(time_ps, now);
-            if (controller_converter() != converter)
-                converter_changed(time_ps);
+            if (controller_spi() != spi)
+                spi_changed(time_ps);
         }
         const uint32_t now = controller_fast();
         if ((levels ^ now) & CONTROLLER_FAST)
@@ -291,6 +307,29 @@ enum sim_reason sim_run(struct sim *sim, int64_t duration_ps, uint32_t stop_rise
 void sim_schedule_input(struct sim *sim, int64_t time_ps, enum board_input input, int level)
 {
     sim->scheduled.push_back({time_ps, input, level});
+}
+
+void sim_fit_flash(struct sim *sim, const uint8_t *bytes, size_t size)
+{
+    sim->flash = std::make_unique<Flash>();
+    std::copy_n(bytes, std::min(size, sim->flash->bytes.size()), sim->flash->bytes.begin());
+    nor_init(&sim->flash->chip, sim->flash->bytes.data());
+}
+
+const uint8_t *sim_flash(const struct sim *sim)
+{
+    if (!sim->flash)
+        return nullptr;
+    nor_advance(&sim->flash->chip, sim->now_ps);
+    return sim->flash->bytes.data();
+}
+
+void sim_set_flash_times(struct sim *sim, int64_t program_ps, int64_t erase_ps)
+{
+    if (sim->flash) {
+        sim->flash->chip.program_ps = program_ps;
+        sim->flash->chip.erase_ps = erase_ps;
+    }
 }
 
 void sim_serial_write(struct sim *sim, const uint8_t *bytes, size_t size)

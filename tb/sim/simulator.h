@@ -23,6 +23,7 @@ extern "C" {
 #define SIM_FAST_PERIOD_PS 5000
 #define SIM_SYNC_PERIOD_PS 20000
 #define SIM_RESET_SYNC_CLOCKS 16
+#define SIM_FLASH_BYTES (16 << 20)
 
 /** Pins that can be recorded and waited for; bits of a mask. In runs of four, for axes X, Y, Z, F. */
 enum sim_signal {
@@ -86,6 +87,15 @@ enum sim_reason sim_run(struct sim *sim, int64_t duration_ps, uint32_t stop_rise
 
 /** Change an input at a time to come, to the picosecond; changes are to be ordered by time. */
 void sim_schedule_input(struct sim *sim, int64_t time_ps, enum board_input input, int level);
+
+/* -- The flash, which is not fitted at first: its pin reads 1 ------------------------------------------------ */
+
+/** Fit one with these contents, the rest of its SIM_FLASH_BYTES erased. Before time passes, and once. */
+void sim_fit_flash(struct sim *sim, const uint8_t *bytes, size_t size);
+/** Its contents now, SIM_FLASH_BYTES; a change under way is there as far as it is done. NULL: not fitted. */
+const uint8_t *sim_flash(const struct sim *sim);
+/** How long a page programmed and a sector erased take from now on. */
+void sim_set_flash_times(struct sim *sim, int64_t program_ps, int64_t erase_ps);
 
 /* -- The serial line --------------------------------------------------------------------------------------- */
 

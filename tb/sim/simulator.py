@@ -25,6 +25,7 @@ US, MS, S = 10**6, 10**9, 10**12  # picoseconds
 
 FAST_PERIOD_PS = 5000
 SYNC_PERIOD_PS = 20000
+FLASH_BYTES = 16 << 20
 
 #: Pins by name, in the order of ``enum sim_signal``.
 SIGNALS = tuple(f"{axis}_{pin}" for pin in ("a", "b", "z", "pwm", "dir") for axis in plant.AXES) + (
@@ -53,6 +54,9 @@ def declare(library):
         ("time_ps", c.c_int64, sim),
         ("run", c.c_int, sim, c.c_int64, c.c_uint32, c.c_uint32, count),
         ("schedule_input", None, sim, c.c_int64, c.c_int, c.c_int),
+        ("fit_flash", None, sim, c.c_char_p, count),
+        ("flash", c.POINTER(c.c_uint8), sim),
+        ("set_flash_times", None, sim, c.c_int64, c.c_int64),
         ("serial_write", None, sim, c.c_char_p, count),
         ("serial_read", count, sim, c.c_void_p, c.c_void_p, count),
         ("serial_set_baud", None, sim, c.c_double),
@@ -87,14 +91,17 @@ class Simulator(board.Hands):
         Memory images for ``$readmemh``, given to the Verilog as ``+boot=`` and ``+firmware=``.
     plant_overrides : sequence of str
         As for :mod:`tb.board.plant`.
+    flash : path or bytes, optional
+        Fit a flash with these contents, the rest of it erased.  A path: a file of them, made when there is none, and
+        written by :meth:`close`, so that the next power-up finds what this one left.  By default none is fitted.
     baud : float
         Of the host's end of the serial line.
     verilog : path
         The top ``abbe``, in one file.
     """
 
-    def __init__(self, *, boot=None, firmware=None, plant_overrides=(), baud=115200.0, verilog=CONTROLLER):
-        self._sim = None
+    def __init__(self, *, boot=None, firmware=None, plant_overrides=(), flash=None, baud=115200.0, verilog=CONTROLLER):
+        self._sim = self._flash_file = None
         self._library = declare(board.declare(ctypes.CDLL(str(build.build(verilog)))))
         images = {"boot": boot, "firmware": firmware}
         arguments = [f"+{name}={Path(file).resolve(strict=True)}" for name, file in images.items() if file is not None]
@@ -107,8 +114,18 @@ class Simulator(board.Hands):
         if not self._sim:
             raise ValueError(error.value.decode())
         self._board = self._library.sim_board(self._sim)
+        self._flash_file = None if flash is None or isinstance(flash, bytes) else Path(flash)
+        if self._flash_file:
+            flash = self._flash_file.read_bytes() if self._flash_file.exists() else b""
+        if flash is not None:
+            if len(flash) > FLASH_BYTES:
+                raise ValueError(f"the flash has {FLASH_BYTES} bytes, not {len(flash)}")
+            self._library.sim_fit_flash(self._sim, flash, len(flash))
 
     def close(self):
+        """Power off; a change of the flash that is under way stays as far as it is done."""
+        if self._sim and self._flash_file:
+            self._flash_file.write_bytes(self.flash())
         if self._sim:
             self._library.sim_destroy(self._sim)
         self._sim = self._board = None
@@ -161,6 +178,22 @@ class Simulator(board.Hands):
         counts = ctypes.c_uint64(), ctypes.c_uint64()
         self._library.sim_clocks(self._sim, *map(ctypes.byref, counts))
         return tuple(count.value for count in counts)
+
+    # -- The flash -------------------------------------------------------------------------------------------
+
+    def flash(self, address=0, size=None):
+        """Contents of the flash now: all, or ``size`` bytes from an address on."""
+        size = FLASH_BYTES - address if size is None else size
+        if not 0 <= address <= address + size <= FLASH_BYTES:
+            raise ValueError(f"{size} bytes at {address:#x} are not in the flash")
+        contents = self._library.sim_flash(self._sim)
+        if not contents:
+            raise ValueError("no flash is fitted")
+        return ctypes.string_at(ctypes.addressof(contents.contents) + address, size)
+
+    def set_flash_times(self, *, program_ps, erase_ps):
+        """How long a page programmed and a sector erased take from now on."""
+        self._library.sim_set_flash_times(self._sim, program_ps, erase_ps)
 
     # -- The serial line -------------------------------------------------------------------------------------
 

@@ -105,6 +105,35 @@ def test_buttons_reach_the_controller_and_its_pins_the_converter(make):
     assert (sim.pins.button, sim.pins.adc_miso) == (6, 0)
 
 
+def test_the_flash_answers_at_its_pins_when_one_is_fitted(make, tmp_path):
+    """The fixture shows each bit it has read, inverted, for 40 ns: those of the opcode's byte, then the identification."""
+    def bits(sim):
+        sim.record("f_dir")
+        sim.run(1 * US)
+        sim.changes()
+        begin, level = sim.time_ps, sim.levels()["f_dir"]
+        sim.run(6 * US)
+        times, levels = of(sim.changes(), "f_dir")
+        at = numpy.searchsorted(times, begin + numpy.arange(0, 6 * US, 40_000), "right")
+        return "".join(str(1 - int(bit)) for bit in numpy.concatenate([[level], levels])[at])
+
+    assert set(bits(make())) == {"1"}
+    assert f"{0xffef4018:032b}" in bits(make(flash=b""))
+
+
+def test_what_the_flash_holds_outlives_the_power(make, tmp_path):
+    file = tmp_path / "flash.bin"
+    with make(flash=file) as sim:
+        assert sim.flash() == b"\xff" * (16 << 20)
+    file.write_bytes(b"Abbe" + file.read_bytes()[4:])
+    with make(flash=file) as sim:
+        assert sim.flash(0, 6) == b"Abbe\xff\xff"
+    assert file.read_bytes()[:5] == b"Abbe\xff"
+    assert make(flash=b"123").flash(1, 3) == b"23\xff"
+    with pytest.raises(ValueError, match="no flash is fitted"):
+        make().flash()
+
+
 def test_an_input_is_seen_by_the_first_fast_edge_after_it(make):
     sim = make(on=(2000, 0))
     sim.record("x_a", "encoder")
