@@ -47,7 +47,7 @@ def test_the_driver_erases_programs_and_reads_over_the_gateware(built, tmp_path)
 
 def test_settings_outlive_the_power(built, tmp_path):
     file = tmp_path / "flash.bin"
-    for share, saved in (0, 33), (33, 44), (44, None):
+    for share, saved in (0, 33), (33, None):
         with built.power_up(flash=file) as sim:
             sim.set_flash_times(**FAST)
             sim.run(30 * MS)
