@@ -33,6 +33,8 @@ def parse(arguments=None):
     parser.add_argument("--tcp-port", type=tcp_port, default=0, metavar="N", help="default: any that is free")
     parser.add_argument("--settings", metavar="FILE",
                         help="where SAVESET keeps settings; without it they are lost at the end")
+    parser.add_argument("--flash", metavar="FILE",
+                        help="a board with a flash, whose contents are this file, made if it is missing; settings are kept in it")
     options = parser.parse_args(arguments)
     options.plant += options.more_plant
     return options
@@ -46,7 +48,7 @@ def main(arguments=None):
         print(f"the virtual controller could not be built: {error}", file=sys.stderr)
         return 2
     command = twin.command(program, parameters=plant.render(plant.load(options.plant)), speed=options.speed,
-                           tcp_port=options.tcp_port, settings=options.settings)
+                           tcp_port=options.tcp_port, settings=options.settings, flash=options.flash)
     os.execv(command[0], command)       # the same process, so that a signal to it reaches the controller
 
 

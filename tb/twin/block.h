@@ -50,6 +50,9 @@ enum Output : unsigned {
     ADC_SCK,
     ADC_MOSI,
     REPORT_TX,
+    FLASH_CS_N,
+    FLASH_SCK,
+    FLASH_MOSI,
     INTERRUPT = 32,
 };
 
@@ -73,7 +76,7 @@ constexpr uint32_t field(uint32_t value, uint32_t mask, unsigned shift)
 /** Levels of the output pins and interrupt lines. */
 class Outputs {
 public:
-    uint64_t levels = bit(SERIAL_TX) | bit(ADC_CS_N) | bit(REPORT_TX);
+    uint64_t levels = bit(SERIAL_TX) | bit(ADC_CS_N) | bit(REPORT_TX) | bit(FLASH_CS_N);
 
     /** From `edge` on. */
     void set(Time edge, unsigned pin, bool level)

@@ -6,11 +6,11 @@
 
 namespace twin {
 
-Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter)
+Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, struct nor *flash, Converter converter)
     : identity_(build.build_id), bus_fault_(outputs), serial_(outputs, MAIN_PORT), report_(outputs, REPORT_PORT), timer_(outputs, build.timer),
       inputs_(timer_, pins), buttons_(timer_, pins, build.millisecond), knobs_(pins), classifier_(pins),
       interlock_(pwm_, pins), watchdog_(interlock_), pwm_(outputs, snapshot_, adc_, interlock_), adc_(outputs, pins, std::move(converter)), snapshot_(pwm_, quadrature_, build.time),
-      trigger_(outputs, quadrature_, pins, build.time), line_(outputs, quadrature_, trigger_), led_(line_),
+      trigger_(outputs, quadrature_, pins, build.time), line_(outputs, quadrature_, trigger_), led_(line_), flash_(outputs, flash),
       quadrature_{{line_, interlock_, 0, pins}, {line_, interlock_, 1, pins}, {line_, interlock_, 2, pins}, {line_, interlock_, 3, pins}}, pins_(pins)
 {
     add(identity_, REG_IDENTITY_MAGIC, REG_IDENTITY_FAST_CLOCK_HZ);
@@ -32,8 +32,8 @@ Gateware::Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converte
     add(line_, REG_COMPARE_CONFIG, REG_COMPARE_INTERRUPT);
     add(line_, REG_DIVIDER_AXIS, REG_DIVIDER_MERGED);
     add(line_, REG_ROUTER_OUT0, REG_ROUTER_ENCODER);
-    add(watchdog_, REG_WATCHDOG_CONTROL, REG_WATCHDOG_SCRATCH);
     add(led_, REG_LED_PERIOD, REG_LED_STATUS);
+    add(flash_, REG_FLASH_DATA, REG_FLASH_GUARD);
     add(watchdog_, REG_WATCHDOG_CONTROL, REG_WATCHDOG_SCRATCH);
     add(interlock_, REG_INTERLOCK_FAULTS, REG_INTERLOCK_ILLEGAL_TIME);
     add(interlock_, REG_INTERLOCK_STRONG_TIME0, REG_INTERLOCK_EXPECTED3);

@@ -16,6 +16,7 @@
 #include "bus_fault.h"
 #include "buttons.h"
 #include "classifier.h"
+#include "flash.h"
 #include "identity.h"
 #include "inputs.h"
 #include "interlock.h"
@@ -42,7 +43,7 @@ public:
     };
 
     /** After reset; the input pins have been as they are for a while. Without a converter it is behind pins. */
-    Gateware(Outputs &outputs, uint64_t pins, const Build &build, Converter converter = nullptr);
+    Gateware(Outputs &outputs, uint64_t pins, const Build &build, struct nor *flash, Converter converter = nullptr);
 
     /** Whether there is a register at an address. Others get a bus error. */
     bool has(uint32_t address) const;
@@ -87,7 +88,7 @@ private:
     template <class Act> void each(Act &&act)
     {
         act(inputs_), act(serial_), act(report_), act(timer_), act(buttons_), act(knobs_), act(classifier_);
-        act(watchdog_), act(interlock_), act(pwm_), act(adc_), act(snapshot_), act(trigger_), act(line_), act(led_);
+        act(watchdog_), act(interlock_), act(pwm_), act(adc_), act(snapshot_), act(trigger_), act(line_), act(led_), act(flash_);
         for (Quadrature &quadrature : quadrature_)
             act(quadrature);
     }
@@ -97,7 +98,6 @@ private:
 
     Identity identity_;
     BusFault bus_fault_;
-    Watchdog watchdog_;
     Serial serial_, report_;
     Timer timer_;
     Inputs inputs_;
@@ -112,6 +112,7 @@ private:
     Trigger trigger_;
     Line line_;
     Led led_;
+    Flash flash_;
     Quadrature quadrature_[AXES];
 
     static constexpr uint32_t FIRST = 0xfffff000, WORDS = 1024;

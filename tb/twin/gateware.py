@@ -91,21 +91,21 @@ def build():
     """``(program, file of fields)``: the comparison of model and gateware, made if need be."""
     design = Peripherals()
     rtlil = toolchain.to_rtlil(design, name="abbe", ports=design.ports())
-    here = toolchain.ROOT / "tb" / "twin"
+    here, board = toolchain.ROOT / "tb" / "twin", toolchain.ROOT / "tb" / "board"
     generated = generate.files()["build/generated/regs.h"]
     directory = toolchain.BUILD / "lockstep" / toolchain.content_key(rtlil)
     with toolchain.cached(directory) as empty:
         if empty:
             toolchain.to_verilog(rtlil, directory / "abbe.v", flatten=True, top="abbe")
     model = build_model(directory / "abbe.v")
-    names = ("lockstep", "stimulus", "gateware", "classifier", "interlock", "led", "line", "pwm", "quadrature", "serial", "trigger")
+    names = ("lockstep", "stimulus", "gateware", "classifier", "flash", "interlock", "led", "line", "pwm", "quadrature", "serial", "trigger")
     sources = [here / f"{name}.cpp" for name in names]
     headers = sorted(here.glob("*.h"))
     include = verilator_root() / "include"
     command = ["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-I", ".", "-I", "generated", "-I",
                toolchain.ROOT / "firmware", "-isystem", include, "-isystem", include / "vltstd", "-isystem", model,
-               *sources, here.parent / "board" / "adc.cpp", model / "Vabbe__ALL.a", model / "libverilated.a", "-pthread", "-DVL_TIME_CONTEXT"]
-    program = directory / toolchain.content_key(generated, " ".join(map(str, command)), *sources, *headers)
+               *sources, *(board / name for name in ("adc.cpp", "nor.c")), model / "Vabbe__ALL.a", model / "libverilated.a", "-pthread", "-DVL_TIME_CONTEXT"]
+    program = directory / toolchain.content_key(generated, " ".join(map(str, command)), *sources, *headers, board / "nor.h")
     with toolchain.cached(program) as empty:
         if empty:
             (program / "generated").mkdir(exist_ok=True)

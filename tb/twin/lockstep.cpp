@@ -41,19 +41,36 @@ struct Pin {
 constexpr Pin PINS[] = {{"pwm", PWM}, {"dir", DIR}, {"motor_enable", MOTOR_ENABLE}, {"out0", OUT0},
                         {"sync_out", SYNC_OUT}, {"encoder_out", ENCODER_OUT}, {"serial_tx", SERIAL_TX},
                         {"adc_cs_n", ADC_CS_N}, {"adc_sck", ADC_SCK}, {"adc_mosi", ADC_MOSI},
-                        {"report_tx", REPORT_TX}, {"report", INTERRUPT + INTERRUPT_REPORT},
+                        {"report_tx", REPORT_TX}, {"flash_cs_n", FLASH_CS_N}, {"flash_sck", FLASH_SCK},
+                        {"flash_mosi", FLASH_MOSI}, {"report", INTERRUPT + INTERRUPT_REPORT},
                         {"trigger", INTERRUPT + INTERRUPT_TRIGGER},
                         {"tick", INTERRUPT + INTERRUPT_TICK}, {"serial", INTERRUPT + INTERRUPT_SERIAL},
                         {"timer", INTERRUPT + INTERRUPT_TIMER}, {"line", INTERRUPT + INTERRUPT_LINE},
                         {"bus", INTERRUPT + INTERRUPT_BUS}};
 
-/** The Verilated gateware. */
+/** A flash that is fast, so that much is seen of it. */
+class QuickFlash {
+public:
+    QuickFlash() : contents_(NOR_BYTES, 0xff)
+    {
+        nor_init(&nor, contents_.data());
+        nor.program_ps = 4000000;
+        nor.erase_ps = 10000000;
+    }
+    struct nor nor;
+
+private:
+    std::vector<uint8_t> contents_;
+};
+
+/** The Verilated gateware, and a flash at its pins. */
 class Device {
 public:
     Device()
     {
         top_.rst = top_.fast_rst = top_.cpu_rst = 1;
         show(bit(SERIAL_RX));
+        top_.flash_miso = 1;
         for (Time edge = -16; edge < 0; edge++)
             clock(edge);
         top_.rst = top_.fast_rst = top_.cpu_rst = 0;
@@ -97,6 +114,9 @@ public:
         clock(edge);
         const uint64_t now = outputs(), changed = now ^ levels_;
         levels_ = now;
+        if (changed & bits(FLASH_CS_N, 3))
+            top_.flash_miso = nor_pins(&flash_.nor, edge * FAST_PS, now >> FLASH_CS_N & 1, now >> FLASH_SCK & 1,
+                                       now >> FLASH_MOSI & 1);
         return changed;
     }
     uint64_t levels() const { return levels_; }
@@ -118,10 +138,15 @@ private:
                uint64_t(top_.encoder_out) << ENCODER_OUT | uint64_t(top_.serial_tx) << SERIAL_TX |
                uint64_t(top_.adc_cs_n) << ADC_CS_N | uint64_t(top_.adc_sck) << ADC_SCK |
                uint64_t(top_.adc_mosi) << ADC_MOSI | uint64_t(top_.report_tx) << REPORT_TX |
+               uint64_t(top_.flash_cs_n) << FLASH_CS_N | uint64_t(top_.flash_sck) << FLASH_SCK |
+               uint64_t(top_.flash_mosi) << FLASH_MOSI |
                uint64_t(top_.interrupts) << INTERRUPT;
     }
 
+    static constexpr int64_t FAST_PS = 1000000000000 / FAST_CLOCK_HZ;
+
     Vabbe top_;
+    QuickFlash flash_;
     uint64_t levels_ = 0;
 };
 
@@ -152,7 +177,7 @@ class Lockstep {
 public:
     Lockstep(std::vector<Field> fields, const Gateware::Build &build, uint32_t seed)
         : fields_(std::move(fields)), random_(seed), pins_(random_), bus_(random_, fields_),
-          gateware_(log_, pins_.levels(), build), timer_init_(build.timer)
+          gateware_(log_, pins_.levels(), build, &flash_.nor), timer_init_(build.timer)
     {
         for (size_t n = 0; n < fields_.size(); n++)
             by_address_.emplace(fields_[n].address, n);
@@ -327,6 +352,7 @@ private:
     PinStimulus pins_;
     BusStimulus bus_;
     Log log_;
+    QuickFlash flash_;
     Gateware gateware_;
     Device device_;
     const uint64_t timer_init_;

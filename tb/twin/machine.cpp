@@ -16,9 +16,9 @@ constexpr uint64_t DRIVES = uint64_t(0xf) << PWM | uint64_t(0xf) << DIR | bit(MO
 
 } // namespace
 
-Machine::Machine(struct board *board)
+Machine::Machine(struct board *board, struct nor *flash)
     : board_(board), line_(115200), report_(115200),
-      gateware_(*this, pins(), {BUILD_ID}, [board](uint16_t word) { return board_adc_frame(board, word); })
+      gateware_(*this, pins(), {BUILD_ID}, flash, [board](uint16_t word) { return board_adc_frame(board, word); })
 {
     plan();
 }

@@ -22,8 +22,8 @@ class Machine final : private Outputs {
 public:
     static constexpr int64_t FAST_PS = 1000000000000 / FAST_CLOCK_HZ;
 
-    /** Powered up on a board, which stays the caller's. */
-    explicit Machine(struct board *board);
+    /** Powered up on a board, with a flash if one is given; both stay the caller's. */
+    explicit Machine(struct board *board, struct nor *flash = nullptr);
 
     /** The processor has been reset, by the watchdog or by order. */
     bool has_reset() const { return gateware_.has_reset(); }

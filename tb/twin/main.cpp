@@ -2,18 +2,21 @@
 /**
  * The virtual controller: the firmware's own sources over the model of the gateware and the board, at real time.
  *
- *     twin PLANT SPEED TCP_PORT [SETTINGS]
+ *     twin PLANT SPEED TCP_PORT [SETTINGS [FLASH]]
  *
  * PLANT: the board's parameters as text; SPEED: times real time; TCP_PORT: 0 for any that is free; SETTINGS: the file
- * in which SAVESET keeps them. python -m tb.twin calls it so.
+ * in which SAVESET keeps them, or ""; FLASH: the file with the contents of the flash, where they are kept then, or ""
+ * for a board without one. python -m tb.twin calls it so.
  *
  * It runs in slices: sleeps until a slice of real time has passed or a host has sent something, then lets the
  * controller catch up. When the machine cannot keep up, the controller's time falls behind, and is not made up for.
  */
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 #include <exception>
 #include <memory>
@@ -53,8 +56,8 @@ int64_t real_ns()
 /** The controller and the hosts, and how their times go together. */
 class Twin {
 public:
-    Twin(struct board *board, double speed, uint16_t tcp_port)
-        : machine(board), ports_(tcp_port), report_ports_(0), fast_per_ns_(speed * FAST_CLOCK_HZ * 1e-9), origin_ns_(real_ns())
+    Twin(struct board *board, struct nor *flash, double speed, uint16_t tcp_port)
+        : machine(board, flash), ports_(tcp_port), report_ports_(0), fast_per_ns_(speed * FAST_CLOCK_HZ * 1e-9), origin_ns_(real_ns())
     {
         std::printf("serial port: %s\ntcp port: %u\n", ports_.path().c_str(), ports_.tcp_port());
         std::printf("report port: %s\nreport tcp port: %u\n", report_ports_.path().c_str(), report_ports_.tcp_port());
@@ -177,7 +180,7 @@ int run()
 int main(int argument_count, char **arguments)
 {
     if (argument_count < 4) {
-        std::fprintf(stderr, "usage: twin PLANT SPEED TCP_PORT [SETTINGS]\n");
+        std::fprintf(stderr, "usage: twin PLANT SPEED TCP_PORT [SETTINGS [FLASH]]\n");
         return 2;
     }
     char error[200];
@@ -187,11 +190,22 @@ int main(int argument_count, char **arguments)
         return 2;
     }
     for (int signal : {SIGTERM, SIGINT})
-        std::signal(signal, [](int) { _exit(0); }); /* nothing is lost: settings files are whole at any time */
-    if (argument_count > 4)
-        settings_init(settings_file(arguments[4]));
+        std::signal(signal, [](int) { _exit(0); }); /* nothing is lost: files are whole at any time, or as after a power cut */
+    const char *const settings = argument_count > 4 ? arguments[4] : "", *const flash = argument_count > 5 ? arguments[5] : "";
+    static struct nor nor;
+    if (*flash) {
+        uint8_t *const contents = nor_map(flash);
+        if (!contents) {
+            std::fprintf(stderr, "the virtual controller could not run: %s: %s\n", flash,
+                         errno == EINVAL ? "not a flash's contents" : std::strerror(errno));
+            return 2;
+        }
+        nor_init(&nor, contents);
+    }
+    if (*settings)
+        settings_init(settings_file(settings));
     try {
-        the = std::make_unique<Twin>(board, std::atof(arguments[2]), uint16_t(std::atoi(arguments[3])));
+        the = std::make_unique<Twin>(board, *flash ? &nor : nullptr, std::atof(arguments[2]), uint16_t(std::atoi(arguments[3])));
     } catch (const std::exception &reason) {
         std::fprintf(stderr, "the virtual controller could not run: %s\n", reason.what());
         return 2;

@@ -136,6 +136,8 @@ Access BusStimulus::next(const Now &now)
     }
     if (random_.one_in(60))
         line(now);
+    if (random_.one_in(600))
+        flash();
     if (random_.one_in(2500)) { /* fill a transmitter, and look at it */
         const bool report = random_.one_in(2);
         for (int64_t n = random_.from(30, 80); n > 0; n--)
@@ -182,6 +184,54 @@ void BusStimulus::line(const Now &now)
         script_.push_back({address, 0, false, 15});
 }
 
+/** In a few sectors, of which some are guarded; often near the end of a page. */
+uint32_t BusStimulus::flash_address()
+{
+    static constexpr uint32_t sectors[] = {0x3fd000, 0x3fe000, 0x3ff000, 0x400000, 0xffe000, 0xfff000};
+    return sectors[random_.from(0, 5)] + uint32_t(random_.one_in(2) ? random_.from(250, 262) : random_.from(0, 4095));
+}
+
+/** A change of the flash and a look at it, with and without the patience that either needs. */
+void BusStimulus::flash()
+{
+    const auto write = [&](uint32_t address, uint32_t value) { script_.push_back({address, value, true, 15}); };
+    const auto read = [&](uint32_t address, int64_t times) {
+        for (; times > 0; times--)
+            script_.push_back({address, 0, false, 15});
+    };
+    const auto frame = [&](uint32_t opcode, uint32_t size) { write(REG_FLASH_FRAME, opcode | size << REG_FLASH_FRAME_SIZE_SHIFT); };
+    const uint32_t size = uint32_t(random_.from(1, random_.one_in(4) ? 20 : 6)), address = flash_address();
+    write(REG_FLASH_CONTROL, REG_FLASH_CONTROL_ABORT_MASK);
+    write(REG_FLASH_ADDRESS, address);
+    if (!random_.one_in(3)) {
+        read(REG_FLASH_STATUS, 14);
+        frame(0x06, 0);
+        read(REG_FLASH_STATUS, random_.one_in(6) ? random_.from(0, 20) : 20);
+        const bool erase = random_.one_in(3);
+        frame(erase ? 0x20 : 0x02, size);
+        for (uint32_t n = 0; n < size && !erase; n += 4) {
+            write(REG_FLASH_DATA, random_.word());
+            read(REG_FLASH_STATUS, random_.one_in(6) ? random_.from(0, 40) : 20);
+        }
+        read(REG_FLASH_STATUS, random_.from(10, 40));
+        frame(0x05, uint32_t(random_.from(1, 5)));
+        for (int64_t looks = random_.from(1, 8); looks > 0; looks--) {
+            read(REG_FLASH_STATUS, 8);
+            read(REG_FLASH_DATA, 1);
+        }
+        if (!random_.one_in(3)) /* until it is done */
+            read(REG_FLASH_STATUS, 60);
+    }
+    read(REG_FLASH_GUARD, 1);
+    write(REG_FLASH_CONTROL, REG_FLASH_CONTROL_ABORT_MASK);
+    read(REG_FLASH_STATUS, 20);
+    frame(random_.one_in(8) ? 0x9f : 0x03, size + uint32_t(random_.from(0, 3)));
+    for (uint32_t n = 0; n < size; n += 4) {
+        read(REG_FLASH_STATUS, random_.one_in(6) ? random_.from(0, 40) : 20);
+        read(REG_FLASH_DATA, 1);
+    }
+}
+
 uint32_t BusStimulus::value(uint32_t address, const Now &now)
 {
     const bool leaves_little_to_see = address == REG_SERIAL_DIVISOR || address == REG_REPORT_DIVISOR ||
@@ -189,7 +239,7 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
                                       address == REG_BUTTONS_DEBOUNCE || address == REG_KNOB_FILTER ||
                                       address == REG_LED_PERIOD;
     if (random_.one_in(leaves_little_to_see ? 60 : 16) && address != REG_SERIAL_DIVISOR &&
-        address != REG_REPORT_DIVISOR)
+        address != REG_REPORT_DIVISOR && address != REG_FLASH_CONTROL)
         return random_.word();
     switch (address) {
     case REG_SERIAL_DIVISOR:
@@ -230,6 +280,13 @@ uint32_t BusStimulus::value(uint32_t address, const Now &now)
     case REG_TRIGGER_CONFIG: /* enabled, and short pulses */
         return (random_.word() & REG_TRIGGER_CONFIG_OUTPUT_MASK) | (random_.word() & REG_TRIGGER_CONFIG_FALLING_MASK) |
                REG_TRIGGER_CONFIG_ENABLE_MASK | uint32_t(random_.from(0, 60)) << REG_TRIGGER_CONFIG_MINIMUM_SHIFT;
+    case REG_FLASH_ADDRESS: return random_.one_in(3) ? random_.word() : flash_address();
+    case REG_FLASH_FRAME: {
+        static constexpr uint32_t opcodes[] = {0x02, 0x03, 0x05, 0x06, 0x20, 0x9f, 0xab};
+        return opcodes[random_.from(0, 6)] | uint32_t(random_.from(0, 9)) << REG_FLASH_FRAME_SIZE_SHIFT;
+    }
+    case REG_FLASH_CONTROL: /* the lock is for ever */
+        return (random_.one_in(2) ? REG_FLASH_CONTROL_ABORT_MASK : 0) | (random_.one_in(100) ? REG_FLASH_CONTROL_LOCK_MASK : 0);
     case REG_BUTTONS_DEBOUNCE:
     case REG_KNOB_FILTER: return uint32_t(random_.from(0, 4));
     case REG_BUTTONS_LONG:

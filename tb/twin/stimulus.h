@@ -100,6 +100,8 @@ public:
 private:
     uint32_t value(uint32_t address, const Now &now);
     void line(const Now &now);
+    void flash();
+    uint32_t flash_address();
 
     Random &random_;
     std::vector<uint32_t> addresses_;

@@ -18,7 +18,7 @@ UNREACHABLE = {"adc.events.overrun",        # a scan is shorter than a PWM perio
                    "errors.line_break", "error_count.frames"))}
 RARE = {"interlock.causes.watchdog"}    # set for one clock
 PINS = ("pwm", "dir", "motor_enable", "out0", "sync_out", "encoder_out", "serial_tx", "adc_cs_n", "adc_sck", "adc_mosi",
-        "report_tx", "report", "trigger", "tick", "serial", "timer", "line", "bus")
+        "report_tx", "flash_cs_n", "flash_sck", "flash_mosi", "report", "trigger", "tick", "serial", "timer", "line", "bus")
 
 
 @pytest.fixture(scope="module")

@@ -111,6 +111,44 @@ def test_settings_survive_in_their_file(tmp_path):
         assert float(ask(line, "S X?").partition("=")[2]) == 1.25
 
 
+def test_settings_live_in_the_flash_and_a_signal_is_a_power_cut(tmp_path):
+    path = tmp_path / "flash"
+    for speed in 1.25, 2.5:
+        with Twin(flash=path, speed=10) as twin, serial.Serial(twin.port, timeout=5) as line:
+            if speed != 1.25:
+                assert float(ask(line, "S X?").partition("=")[2]) == 1.25
+            ask(line, f"S X={speed}")
+            assert ask(line, "SS Z").startswith(":")
+            time.sleep(0.5)
+    contents = path.read_bytes()
+    assert len(contents) == 1 << 24 and b"littlefs" in contents[0x50_0000:0x54_0000]
+    assert set(contents[:0x50_0000] + contents[0x54_0000:]) == {0xff}
+    with Twin(flash=path, speed=10) as twin, serial.Serial(twin.port, timeout=5) as line:
+        ask(line, "S X=3.5")
+        ask(line, "SS Z")       # and no time to keep it
+        twin.process.kill()
+    with Twin(flash=path) as twin, serial.Serial(twin.port, timeout=5) as line:
+        assert float(ask(line, "S X?").partition("=")[2]) in (2.5, 3.5)
+
+
+def test_it_regulates_while_it_writes_to_the_flash(tmp_path):
+    with Twin(flash=tmp_path / "flash") as twin, serial.Serial(twin.port, timeout=5) as line:
+        ask(line, "M X=20000")
+        for _ in range(3):
+            assert ask(line, "SS Z").startswith(":")
+        wait(line)
+        assert float(ask(line, "W X").split()[1]) == pytest.approx(20000, abs=0.35)
+        assert ask(line, "RS X").rstrip().startswith(":A")
+
+
+def test_a_file_that_is_no_flash_is_refused(tmp_path):
+    (tmp_path / "flash").write_text("other")
+    done = subprocess.run([sys.executable, "-m", "tb.twin", "--flash", tmp_path / "flash"], cwd=toolchain.ROOT,
+                          capture_output=True, text=True)
+    assert done.returncode == 2 and "could not run: " in done.stderr and "not a flash's contents" in done.stderr
+    assert (tmp_path / "flash").read_text() == "other"
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_ends_make_twin_cleanly(number):
     """Also while it moves; and its first lines are those that programs look for."""

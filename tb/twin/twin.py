@@ -17,9 +17,9 @@ def build():
     return toolchain.BUILD / "twin" / "abbe-twin"
 
 
-def command(program, *, parameters, speed=1, tcp_port=0, settings=None):
+def command(program, *, parameters, speed=1, tcp_port=0, settings=None, flash=None):
     """Its command line; ``parameters``: the board's, as text."""
-    return [str(program), parameters, repr(float(speed)), str(tcp_port), *([str(settings)] if settings else [])]
+    return [str(program), parameters, repr(float(speed)), str(tcp_port), str(settings or ""), str(flash or "")]
 
 
 class Twin:
