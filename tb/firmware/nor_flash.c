@@ -3,11 +3,13 @@
 
 #include <string.h>
 
+#include "../board/nor.h"
 #include "hal/flash_map.h"
 #include "random.h"
 
 uint8_t nor_flash[NOR_FLASH_BYTES];
 
+static struct nor nor;
 static unsigned long changes, changes_left;
 static bool down;
 static uint32_t guard;
@@ -15,8 +17,15 @@ static uint32_t guard;
 void nor_flash_reset(void)
 {
     memset(nor_flash, 0xff, sizeof nor_flash);
+    nor_init(&nor, nor_flash);
     changes = 0;
     nor_flash_power_up();
+}
+
+void nor_flash_put(const uint8_t *contents)
+{
+    nor_flash_reset();
+    memcpy(nor_flash, contents, sizeof nor_flash);
 }
 
 void nor_flash_power_up(void)
@@ -37,19 +46,12 @@ unsigned long nor_flash_changes(void)
     return changes;
 }
 
-/* Bits of one byte that a change is to clear or set; what a cut leaves of it. */
-static void change(uint8_t *byte, uint8_t to, bool whole)
-{
-    const uint8_t moved = (uint8_t)(*byte ^ to);
-
-    *byte = whole ? to : (uint8_t)(*byte ^ (moved & random_below(256)));
-}
-
 /* Whether the next change is done; false: it is the one that is cut. */
 static bool power_lasts(void)
 {
     if (changes_left == 0) {
         down = true;
+        nor_cut(&nor, random_below(UINT32_MAX));
         return false;
     }
     changes_left--;
@@ -71,35 +73,44 @@ bool flash_read(uint32_t address, void *to, size_t size)
 {
     if (!is_inside(address, size))
         return false;
-    memcpy(to, nor_flash + address, size);
+    nor_read(&nor, address, to, size);
     return true;
 }
 
 bool flash_program(uint32_t address, const void *from, size_t size)
 {
+    const uint8_t *bytes = from;
+
     if (!is_inside(address, size) || address < guard)
         return false;
-    for (size_t n = 0; n < size; n++) {
-        uint8_t *byte = &nor_flash[address + n];
+    while (size > 0) {
+        const uint32_t room = FLASH_PAGE - address % FLASH_PAGE, part = size < room ? (uint32_t)size : room;
 
-        change(byte, *byte & ((const uint8_t *)from)[n], power_lasts());
+        nor_program(&nor, address, bytes, part);
+        while (nor.work.kind != NOR_RESTS && power_lasts())
+            nor_step(&nor);
         if (down)
             return false;
+        address += part;
+        bytes += part;
+        size -= part;
     }
     return true;
 }
 
 bool flash_erase(uint32_t address)
 {
-    const uint32_t start = address / FLASH_SECTOR * FLASH_SECTOR;
-    bool whole;
-
     if (!is_inside(address, 1) || address < guard)
         return false;
-    whole = power_lasts();
-    for (uint32_t n = 0; n < FLASH_SECTOR; n++)
-        change(&nor_flash[start + n], 0xff, whole);
-    return whole;
+    nor_erase(&nor, address);
+    /* The moment of a cut: any. */
+    for (uint32_t moment = random_below(NOR_ERASE_STEPS); moment > 0; moment--)
+        nor_step(&nor);
+    if (!power_lasts())
+        return false;
+    while (nor.work.kind != NOR_RESTS)
+        nor_step(&nor);
+    return true;
 }
 
 void flash_lock(void)

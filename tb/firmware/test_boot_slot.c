@@ -173,8 +173,7 @@ static bool survives(bool (*step)(void), int after)
         bool done;
         int slot;
 
-        memcpy(nor_flash, before, sizeof before);
-        nor_flash_power_up();
+        nor_flash_put(before);
         nor_flash_cut_after(at);
         done = step();
         nor_flash_power_up();
@@ -214,7 +213,7 @@ TEST(the_counter_survives_every_cut)
         counter_raise(value);
     memcpy(before, nor_flash, sizeof before);
     for (unsigned long at = 0; at < 9; at++) {
-        memcpy(nor_flash, before, sizeof before);
+        nor_flash_put(before);
         nor_flash_cut_after(at);
         (void)raise_to_513();
         nor_flash_power_up();

@@ -25,6 +25,7 @@ static void start(void)
 {
     free(chip);
     chip = calloc(1, sizeof *chip);
+    chip_deliver(chip, 0, NOR_BYTES);
     chip_fit(chip);
     chip_on_step(NULL);
     flash_on_wait(NULL);
@@ -127,7 +128,7 @@ TEST(a_full_store_keeps_what_it_has)
 static uint32_t file_address(void)
 {
     for (uint32_t at = REGION; at < REGION + REGION_SIZE; at += FLASH_SECTOR)
-        if (chip_byte(chip, at) == 'A' && chip_byte(chip, at + 1) == 'B' && chip_byte(chip, at + 2) == 'S')
+        if (chip->bytes[at] == 'A' && chip->bytes[at + 1] == 'B' && chip->bytes[at + 2] == 'S')
             return at;
     return 0;
 }
@@ -142,12 +143,12 @@ TEST(a_flipped_bit_anywhere_in_the_file_is_found_and_the_next_save_mends_it)
             start();
             CHECK(keep_all(n));
         }
-        chip->zeros[file_address() + n] ^= (uint8_t)(1 << n % 8);
+        chip->bytes[file_address() + n] ^= (uint8_t)(1 << n % 8);
         power_up();
         CHECK(store->damaged() && has_none());
-        chip->zeros[file_address() + n] ^= (uint8_t)(1 << n % 8);
+        chip->bytes[file_address() + n] ^= (uint8_t)(1 << n % 8);
     }
-    chip->zeros[file_address() + 100] ^= 1;
+    chip->bytes[file_address() + 100] ^= 1;
     power_up();
     CHECK(keep_all(7) && !store->damaged());
     power_up();
@@ -179,7 +180,7 @@ static void set_version(uint8_t version)
     crc = crc_of(image, FILE_SIZE - 4);
     memcpy(image + FILE_SIZE - 4, &crc, 4);
     for (unsigned n = 0; n < FILE_SIZE; n++)
-        chip->zeros[at + n] = (uint8_t)~image[n];
+        chip->bytes[at + n] = image[n];
 }
 
 TEST(a_file_of_a_later_version_is_not_taken_for_ours)
@@ -200,7 +201,7 @@ TEST(noise_instead_of_a_directory_is_found_and_the_next_save_begins_anew)
         start();
         CHECK(keep_all(0));
         for (unsigned n = 0; n < 2 * FLASH_SECTOR; n++)
-            chip->zeros[REGION + n] = (uint8_t)random_below(256);
+            chip->bytes[REGION + n] = (uint8_t)random_below(256);
         power_up();
         CHECK(store->damaged() && has_none());
         CHECK(keep_all(1));
@@ -270,7 +271,7 @@ TEST(wear_is_spread_and_a_start_reads_little)
         least = chip->erases[n] < least ? chip->erases[n] : least;
         most = chip->erases[n] > most ? chip->erases[n] : most;
     }
-    for (uint32_t n = 0; n < CHIP_SECTORS; n++)
+    for (uint32_t n = 0; n < NOR_SECTORS; n++)
         CHECK(chip->erases[n] == 0 || (n >= REGION / FLASH_SECTOR && n < (REGION + REGION_SIZE) / FLASH_SECTOR));
     printf("# %d saves: %u erases, %.2f a save, %.0f a sector, at least %u, at most %u; %.1f pages a save; a start: %u bytes in %u reads\n",
            SAVES, all, (double)all / SAVES, (double)all / FLASH_MAP_SETTINGS_SECTORS, least, most, (double)chip->pages / SAVES,

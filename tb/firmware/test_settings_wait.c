@@ -49,6 +49,7 @@ static void start(void)
 {
     free(chip);
     chip = calloc(1, sizeof *chip);
+    chip_deliver(chip, 0, NOR_BYTES);
     power_up();
     memset(in_wait, 0, sizeof in_wait);
     heard[0] = '\0';

@@ -66,14 +66,14 @@ static int new_file(void)
     return file;
 }
 
-/* Only what is in use is copied: the rest is 0 in both. */
+/* Only what is in use is copied: nobody touches the rest. */
 static int copy_of(const struct chip *chip)
 {
     const int file = new_file();
     struct chip *copy = map(file, MAP_SHARED);
 
-    memcpy(copy->zeros + SCENARIO_FIRST, chip->zeros + SCENARIO_FIRST, SCENARIO_END - SCENARIO_FIRST);
-    memcpy(copy->unstable, chip->unstable, sizeof *chip - offsetof(struct chip, unstable));
+    memcpy(copy->bytes + SCENARIO_FIRST, chip->bytes + SCENARIO_FIRST, SCENARIO_END - SCENARIO_FIRST);
+    memcpy(&copy->nor, &chip->nor, sizeof *chip - offsetof(struct chip, nor));
     munmap(copy, sizeof *copy);
     return file;
 }
@@ -256,7 +256,7 @@ static unsigned erases_of(const struct chip *chip)
 {
     unsigned sum = 0;
 
-    for (unsigned sector = 0; sector < CHIP_SECTORS; sector++)
+    for (unsigned sector = 0; sector < NOR_SECTORS; sector++)
         sum += chip->erases[sector];
     return sum;
 }
@@ -278,10 +278,12 @@ static void note(int file, bool (*what)(void), char *to)
 /* A chip as it is before, and the states without a cut; its steps. */
 static uint64_t prepare(int file)
 {
-    const struct chip *chip = map(file, MAP_SHARED), *done;
+    struct chip *const chip = map(file, MAP_SHARED);
+    const struct chip *done;
     int whole;
     uint64_t steps;
 
+    chip_deliver(chip, SCENARIO_FIRST, SCENARIO_END - SCENARIO_FIRST);
     note(file, scenario->prepare, before);
     whole = copy_of(chip);
     done = map(whole, MAP_SHARED);
