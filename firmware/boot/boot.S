@@ -24,3 +24,9 @@ boot_start:
 trap_entry:
     la sp, stack_top
     j boot_trap
+
+    /* Instructions are fetched past the data cache and from a cache of their own. */
+    .globl boot_run
+boot_run:
+    fence.i
+    jr a0

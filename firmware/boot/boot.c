@@ -52,20 +52,18 @@ static void stop_drives(void)
     pwm_set_steps((const int32_t[PWM_AXES]){0});
 }
 
-/* Instructions are fetched past the data cache and from a cache of their own. */
 static void run_application(int slot)
 {
     watchdog_set_scratch(handover_started(BOOT_VERSION, slot));
-    __asm__ volatile("fence.i" : : : "memory");
-    ((void (*)(void))(uintptr_t)(IMAGE_RAM + IMAGE_HEADER_BYTES))();
+    boot_run(IMAGE_RAM + IMAGE_HEADER_BYTES);
 }
 
 /* Start what there is to start; returns when there is nothing. */
-static void start(void)
+static void start(bool has_flash)
 {
     const bool cold = watchdog_cold();
     struct image image;
-    const int slot = flash_present() ? start_load(application, &image) : SLOT_NONE;
+    const int slot = has_flash ? start_load(application, &image) : SLOT_NONE;
 
     flash_lock();
     watchdog_set_warm();
@@ -116,18 +114,20 @@ static bool button_held(void)
 void boot_main(void)
 {
     const uint32_t word = watchdog_scratch();
+    bool has_flash;
 
     if (!identity_is_known()) {
         say("Abbe boot: unknown gateware\r\n");
         for (;;)
-            __asm__ volatile("wfi");
+            ;
     }
     stop_drives();
     watchdog_set_scratch(0);
     serial_interrupt_enable_write(0);
     serial_divisor_write((CLOCK_HZ + RATE_BITS_PER_S / 2) / RATE_BITS_PER_S);
+    has_flash = flash_present(); /* the update server needs it awake as well */
     if (!handover_is_update(word) && !(watchdog_cold() && button_held()))
-        start();
+        start(has_flash);
     serve(handover_is_update(word) ? handover_slot(word) : SLOT_NONE);
     for (;;)
         ;

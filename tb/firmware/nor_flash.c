@@ -9,7 +9,7 @@
 
 uint8_t nor_flash[NOR_FLASH_BYTES];
 
-static struct nor nor;
+static struct nor nor = {.bytes = nor_flash, .random = 1};
 static unsigned long changes, changes_left;
 static bool down;
 static uint32_t guard;

@@ -78,6 +78,8 @@ public:
 
     /** The watchdog has reset the processor. */
     bool has_reset() const { return watchdog_.has_reset(); }
+    /** It starts again. */
+    void start_processor() { watchdog_.start(); }
 
 private:
     /**

@@ -27,6 +27,7 @@ public:
 
     /** The processor has been reset, by the watchdog or by order. */
     bool has_reset() const { return gateware_.has_reset(); }
+    void start_processor() { gateware_.start_processor(); }
 
     /** The next edge: everything before it has happened. */
     Time now() const { return now_; }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /**
- * The virtual controller: the firmware's own sources over the model of the gateware and the board, at real time.
+ * The virtual controller: boot program and application, from their own sources, over the model of the gateware and the
+ * board, at real time. After a reset of the processor the boot program starts anew; gateware and board go on.
  *
  *     twin PLANT SPEED TCP_PORT [SETTINGS [FLASH]]
  *
@@ -21,12 +22,16 @@
 #include <exception>
 #include <memory>
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "ports.h"
 #include "processor.h"
+#include "program.h"
 
 extern "C" {
+#include "boot/boot.h"
+#include "boot/image.h"
 #include "core/settings.h"
 #include "hal/bus.h"
 #include "hal/interrupts.h"
@@ -81,9 +86,15 @@ public:
     void spend(Time clocks)
     {
         machine.advance(machine.now() + clocks);
+        pace();
+        host_interrupts_set(machine.interrupts());
+    }
+
+    /** Its time is not to run ahead. */
+    void pace()
+    {
         while (machine.now() >= allowed_)
             keep_pace();
-        host_interrupts_set(machine.interrupts());
     }
 
 private:
@@ -144,34 +155,91 @@ void fault(const char *what, uint32_t address)
     std::exit(1);
 }
 
+/** The application's program, as long as it is loaded. */
+struct {
+    decltype(application_init) *init;
+    decltype(application_poll) *poll;
+    decltype(application_busy) *busy;
+    decltype(application_interrupt) *interrupt;
+    decltype(bus_take_fault) *take_fault;
+} application;
+
 /** As main_interrupt of main.c. */
 void interrupt()
 {
     if (interrupts_pending() & INTERRUPTS_BUS)
-        fault("write to", bus_take_fault());
-    application_interrupt();
+        fault("write to", application.take_fault());
+    application.interrupt();
     the->machine.advance(the->machine.now());
     host_interrupts_set(the->machine.interrupts());
 }
 
-int run()
+/** As main of main.c. Returns if it cannot be started, or was reset. */
+void run_application()
+{
+    if (!application.init())
+        return;
+    while (!the->machine.has_reset()) {
+        application.poll();
+        the->spend(TURN);
+        do
+            interrupts_sleep_unless(application.busy);
+        while (!application.busy());
+    }
+}
+
+twin::Ended load_and_run_application(const char *settings)
+{
+    const twin::Program program("application.so");
+    application = {program.function<decltype(application_init)>("application_init"),
+                   program.function<decltype(application_poll)>("application_poll"),
+                   program.function<decltype(application_busy)>("application_busy"),
+                   program.function<decltype(application_interrupt)>("application_interrupt"),
+                   program.function<decltype(bus_take_fault)>("bus_take_fault")};
+    if (*settings)
+        program.function<decltype(settings_init)>("settings_init")(
+            program.function<decltype(settings_file)>("settings_file")(settings));
+    host_interrupts_dispatch(interrupt);
+    const twin::Ended ended = twin::processor_run(run_application);
+    host_interrupts_dispatch(nullptr);
+    interrupts_enable(0);
+    return ended;
+}
+
+twin::Ended load_and_run_boot()
+{
+    const twin::Program program("boot.so");
+    return twin::processor_run(program.function<decltype(boot_main)>("boot_main"), [] { the->pace(); });
+}
+
+/** Memory where images are loaded; the application came with the gateware. */
+bool fill_memory()
+{
+    void *const memory = mmap(reinterpret_cast<void *>(uintptr_t(IMAGE_RAM)), IMAGE_RAM_BYTES, PROT_READ | PROT_WRITE,
+                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED_NOREPLACE, -1, 0);
+    const uint32_t start[] = {0, IMAGE_MARK, IMAGE_PRODUCT, REG_MAP_VERSION};
+    if (memory != reinterpret_cast<void *>(uintptr_t(IMAGE_RAM)))
+        return false;
+    std::memcpy(static_cast<uint8_t *>(memory) + IMAGE_HEADER_BYTES, start, sizeof start);
+    return true;
+}
+
+int run(const char *settings, bool has_flash)
 {
     twin::processor_on(the->machine);
     host_interrupts_on_sleep([] { the->sleep(); });
-    host_interrupts_dispatch(interrupt);
-    if (!application_init())
-        return 1;
     for (;;) {
-        application_poll();
-        the->spend(TURN);
-        if (the->machine.has_reset()) {
-            /* What a reset of the soft core begins anew cannot be begun anew here. */
+        twin::Ended ended = load_and_run_boot();
+        if (ended == twin::Ended::RUNS_ANOTHER)
+            ended = load_and_run_application(settings);
+        if (!the->machine.has_reset())
+            return 1;
+        if (!has_flash) {
+            /* On a board as well: its memory is not trusted, and there is nothing else to start. */
             std::fprintf(stderr, "the processor was reset\n");
             return 3;
         }
-        do
-            interrupts_sleep_unless(application_busy);
-        while (!application_busy());
+        the->machine.start_processor();
     }
 }
 
@@ -202,13 +270,15 @@ int main(int argument_count, char **arguments)
         }
         nor_init(&nor, contents);
     }
-    if (*settings)
-        settings_init(settings_file(settings));
+    if (!fill_memory()) {
+        std::fprintf(stderr, "the virtual controller could not run: no memory at 0x%x\n", unsigned(IMAGE_RAM));
+        return 2;
+    }
     try {
         the = std::make_unique<Twin>(board, *flash ? &nor : nullptr, std::atof(arguments[2]), uint16_t(std::atoi(arguments[3])));
+        return run(settings, *flash);
     } catch (const std::exception &reason) {
         std::fprintf(stderr, "the virtual controller could not run: %s\n", reason.what());
         return 2;
     }
-    return run();
 }

@@ -136,7 +136,7 @@ Access BusStimulus::next(const Now &now)
     }
     if (random_.one_in(60))
         line(now);
-    if (random_.one_in(600))
+    if (random_.one_in(2000))
         flash();
     if (random_.one_in(2500)) { /* fill a transmitter, and look at it */
         const bool report = random_.one_in(2);

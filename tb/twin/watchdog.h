@@ -16,6 +16,7 @@ public:
 
     /** The processor has been reset since it last started. */
     bool has_reset() const { return reset_; }
+    void start() { reset_ = false; }
 
     uint32_t read(uint32_t address, Time) override
     {
