@@ -211,6 +211,8 @@ int main(int argument_count, char **arguments)
     }
     the = std::make_unique<Scans>(board, unsigned(std::atoi(arguments[2])), arguments + 3, argument_count - 3);
     twin::processor_on(the->machine);
+    /* Whatever its duties are, this stage makes its way. */
+    the->machine.write(REG_INTERLOCK_WAY, 0);
     host_interrupts_on_sleep([] { the->sleep(); });
     host_interrupts_dispatch(interrupt);
     if (!application_init())
