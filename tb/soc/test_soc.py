@@ -48,7 +48,7 @@ def test_boots_from_zero_and_the_identity_is_readable(said):
 
 def test_a_load_that_nobody_answers_traps(said):
     # Behind boot, behind RAM, cached and uncached nothing, a gap between registers, below the registers.
-    addresses = 0x00002000, 0x00060000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000
+    addresses = 0x00008000, 0x00060000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000
     assert numbers(said, "load") == [[1, LOAD_ACCESS_FAULT, address] for address in addresses]
 
 

@@ -107,7 +107,7 @@ static void identity(void)
 
 static void faults(void)
 {
-    static const uint32_t loads[] = {0x00002000, 0x00060000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000};
+    static const uint32_t loads[] = {0x00008000, 0x00060000, 0x00400000, 0x90000000, 0xfffff7fc, 0xffffe000};
     for (unsigned n = 0; n < sizeof loads / sizeof *loads; n++) {
         (void)mmio_read32(loads[n]);
         report_fault("load");
