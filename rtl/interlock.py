@@ -105,7 +105,7 @@ class InterlockPeripheral(wiring.Component):
         """How axes are watched."""
         armed: Field(action.RW, AXES, doc="Bit n: axis n is to follow Expected.")
         hold: Field(action.RW, AXES, doc="Bit n: axis n may stand at any drive, as it does that holds a load. Progress is "
-                                         "asked for where its drive is HeldMost from that with which it last moved.")
+                                         "asked for where its drive is HeldMost from the mean with which it last moved.")
 
     class Way(Register, access="rw"):
         """What progress is."""
@@ -124,8 +124,8 @@ class InterlockPeripheral(wiring.Component):
 
     class HeldMost(Register, access="rw"):
         """Breakaway of an axis that holds."""
-        value: Field(action.RW, unsigned(12), init=1000, unit="clocks of 2500",
-                     doc="Difference of its drive from that with which it last moved.")
+        value: Field(action.RW, unsigned(12), init=1750, unit="clocks of 2500",
+                     doc="Difference of its drive from the mean with which it last moved.")
 
     class IllegalMost(Register, access="rw"):
         """Illegal transitions that are allowed."""
@@ -215,7 +215,7 @@ class InterlockPeripheral(wiring.Component):
         m.d.comb += [
             illegal.event.eq(self.illegal[axis]), illegal.window.eq(sampler.window),
             illegal.most.eq(self._value(self.IllegalMost)), illegal.length.eq(self._value(self.IllegalTime)),
-            progress.stb.eq(sampler.stb), progress.step.eq(sampler.steps[axis]), progress.drive.eq(self.drive[axis]),
+            progress.stb.eq(sampler.stb), progress.window.eq(sampler.window), progress.step.eq(sampler.steps[axis]), progress.drive.eq(self.drive[axis]),
             progress.hold.eq(control.hold.data[axis]),
             limits.way.eq(self._at[self.Way].f.counts.data), limits.strong.eq(self._value(self.Strong)),
             limits.strong_samples.eq(self._value(self.StrongTime, axis)), limits.samples.eq(self._value(self.DriveTime)),

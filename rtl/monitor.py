@@ -7,7 +7,7 @@ from amaranth.lib.wiring import In, Out
 
 from rtl.crossing import Latch
 
-__all__ = ["Budget", "CountSampler", "Following", "Overspeed", "Progress", "ProgressLimits", "SAMPLE_CLOCKS",
+__all__ = ["Budget", "CountSampler", "Following", "MEAN_WINDOWS", "Overspeed", "Progress", "ProgressLimits", "SAMPLE_CLOCKS",
            "STEP_BITS", "WINDOW_SAMPLES"]
 
 SAMPLE_CLOCKS = 25
@@ -18,6 +18,10 @@ STEP_BITS = 8
 
 WINDOW_SAMPLES = 200
 """Samples of a window: 100 us."""
+
+MEAN_BITS = 6
+MEAN_WINDOWS = 1 << MEAN_BITS
+"""Windows in which a mean drive follows: 6.4 ms, of which the pulse of a nudge is a small part."""
 
 
 class CountSampler(wiring.Component):
@@ -85,19 +89,20 @@ class Progress(wiring.Component):
     *Way is made* when the counts since it was last made differ by ``limits.way`` or more: from the lowest to the
     highest, in either direction.  With A or B stuck a count goes to and fro between two neighbours, with both it stands.
 
-    The *excess* is the drive or, of an axis that is to ``hold``, the drive less that of the sample at which way was
-    last made: what holds a load that stands is no reason to move.  ``fault`` is high, from the clock after a sample,
-    when no way was made and the excess had one sign
+    The *excess* is the drive or, of an axis that is to ``hold``, the drive less the mean drive at the sample at which way
+    was last made: what holds a load that stands is no reason to move.  The mean follows the drive by a part in
+    :data:`MEAN_WINDOWS` in each window.  ``fault`` is high, from the clock after a sample, when no way was made and the
+    excess had one sign
 
-    * in ``strong_samples`` + 1 samples in a row with a magnitude of at least ``strong``, or
+    * in ``strong_samples`` + 1 samples in a row with a magnitude of at least ``strong``, unless it is to hold, or
     * in ``samples`` + 1 samples in a row with a magnitude of at least ``breakaway``, of an axis that holds: ``held``;
 
     and low again after a sample with way made, too small an excess, or one of the other sign.
 
     Members
     -------
-    stb : In(1)
-        A sample.
+    stb, window : In(1)
+        A sample; with ``window`` it is the last of a window.
     step : In(signed(STEP_BITS))
         With ``stb``: counts since the one before.
     drive : In(signed(13))
@@ -109,12 +114,12 @@ class Progress(wiring.Component):
     """
 
     def __init__(self):
-        # The way since it was last made: of the present sample, lowest, highest; and the drive when it was made.
+        # The way since it was last made: of the present sample, lowest, highest; and the mean drive when it was made.
         self._at, self._low, self._high = (Signal(signed(9), name=name) for name in ("at", "low", "high"))
-        self._reference = Signal(signed(13))
+        self._mean, self._reference = Signal(signed(13 + MEAN_BITS)), Signal(signed(13))
         self._forward = Signal()            # the excess of the last sample
         self._strong_for, self._weak_for = Signal(17), Signal(17)
-        super().__init__({"stb": In(1), "step": In(signed(STEP_BITS)), "drive": In(signed(13)), "hold": In(1),
+        super().__init__({"stb": In(1), "window": In(1), "step": In(signed(STEP_BITS)), "drive": In(signed(13)), "hold": In(1),
                           "limits": In(ProgressLimits), "fault": Out(1)})
 
     def elaborate(self, platform):
@@ -130,12 +135,14 @@ class Progress(wiring.Component):
         with m.If(self.stb):
             m.d.sync += [old.eq(Mux(made, 0, new)) for old, new in ((self._at, at), (self._low, low), (self._high, high))]
             with m.If(made):
-                m.d.sync += self._reference.eq(self.drive)
+                m.d.sync += self._reference.eq(self._mean >> MEAN_BITS)
+        with m.If(self.window):
+            m.d.sync += self._mean.eq(self._mean + self.drive - (self._mean >> MEAN_BITS))
 
         excess, magnitude, forward, holds = Signal(signed(14)), Signal(14), Signal(), Signal()
         m.d.comb += excess.eq(self.drive - Mux(self.hold, self._reference, 0))
         m.d.sync += [magnitude.eq(Mux(excess < 0, -excess, excess)), forward.eq(excess >= 0), holds.eq(self.hold)]
-        strong, weak = magnitude >= limits.strong, magnitude >= Mux(holds, limits.held, limits.breakaway)
+        strong, weak = (magnitude >= limits.strong) & ~holds, magnitude >= Mux(holds, limits.held, limits.breakaway)
         with m.If(self.stb):
             m.d.sync += self._forward.eq(forward)
             for run, counts, most in ((self._strong_for, strong, limits.strong_samples),

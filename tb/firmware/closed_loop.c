@@ -119,13 +119,32 @@ static void latch(void)
                        (uint32_t)pins->estop << REG_INPUTS_LEVELS_ESTOP_SHIFT);
 }
 
-static void drive(void)
+/* The drives of this tick, and the hands on the stage; off: the interlock has taken the drive away. */
+static struct {
+    double motor, hand;
+    bool off;
+} driven[4];
+
+static void take_duties(void)
 {
     for (unsigned axis = 0; axis < 4; axis++) {
-        const double duty = interlock_model_off(axis) ? 0 : pwm_duty_read(axis) / 2500.0;
+        const int32_t steps = pwm_duty_read(axis);
 
-        board_drive(board, now_ps, axis, (reversed[axis] ? -1 : 1) * duty + push[axis]);
+        interlock_model_drive(axis, now_ps, steps);
+        driven[axis].off = interlock_model_off(axis);
+        driven[axis].motor = driven[axis].off ? 0 : (reversed[axis] ? -1 : 1) * steps / 2500.0;
+        driven[axis].hand = push[axis];
+        board_drive(board, now_ps, axis, driven[axis].motor + driven[axis].hand);
     }
+}
+
+static void take_faults(void)
+{
+    for (unsigned axis = 0; axis < 4; axis++)
+        if (interlock_model_off(axis) && !driven[axis].off) {
+            driven[axis].off = true;
+            board_drive(board, now_ps, axis, driven[axis].hand);
+        }
 }
 
 /* Encoder edges, and faults that take a drive off, in the order of their times. */
@@ -144,7 +163,7 @@ static void run_until(int64_t end_ps)
             board_advance(board, fault_ps);
             interlock_model_run(fault_ps);
         }
-        drive();
+        take_faults();
     }
     now_ps = end_ps;
 }
@@ -155,9 +174,7 @@ static void tick(void)
     run_until(now_ps + TICK_PS);
     board_advance(board, now_ps);
     interlock_model_run(now_ps);
-    for (unsigned axis = 0; axis < 4; axis++)
-        interlock_model_drive(axis, now_ps, pwm_duty_read(axis));
-    drive();
+    take_duties();
     latch();
     axis_tick();
 }
@@ -189,6 +206,7 @@ void closed_loop_start(const struct closed_loop_change *changes)
         exit(2);
     }
     now_ps = 0;
+    memset(driven, 0, sizeof driven);
     memset(push, 0, sizeof push);
     memset(reversed, 0, sizeof reversed);
     mmio_model_reset();

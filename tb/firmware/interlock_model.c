@@ -13,7 +13,8 @@ static const int64_t UNIT_PS = 500000, WINDOW_PS = 100000000, NEVER = INT64_MAX;
 
 static struct axis {
     int32_t count, lowest, highest, window_count;
-    int32_t drive, way_drive;
+    int32_t drive;
+    double mean, way_drive; /* of the drive; and when way was last made */
     int64_t strong_since, drive_since; /* NEVER: not */
     int forward;
     unsigned illegal;
@@ -30,7 +31,7 @@ static uint32_t get(uintptr_t reg, unsigned axis)
     return mmio_model_get(reg + 4 * axis);
 }
 
-static int32_t excess(unsigned axis)
+static double excess(unsigned axis)
 {
     const bool holds = get(REG_INTERLOCK_CONTROL, 0) >> REG_INTERLOCK_CONTROL_HOLD_SHIFT >> axis & 1;
 
@@ -89,7 +90,7 @@ static void note(double *nearest, double share)
 static void judge(unsigned n, int64_t now_ps, bool anew)
 {
     struct axis *a = &axes[n];
-    const int32_t e = excess(n), size = abs(e);
+    const double e = excess(n), size = fabs(e);
     const bool holds = get(REG_INTERLOCK_CONTROL, 0) >> REG_INTERLOCK_CONTROL_HOLD_SHIFT >> n & 1;
     const uint32_t least = holds ? get(REG_INTERLOCK_HELD_MOST, 0) : get(REG_INTERLOCK_BREAKAWAY0, n);
     const int forward = e >= 0;
@@ -100,11 +101,11 @@ static void judge(unsigned n, int64_t now_ps, bool anew)
         note(&near.drive, (double)(now_ps - a->drive_since) / (double)drive_ps());
     anew |= forward != a->forward;
     a->forward = forward;
-    if ((uint32_t)size < get(REG_INTERLOCK_STRONG, 0))
+    if (holds || size < get(REG_INTERLOCK_STRONG, 0))
         a->strong_since = NEVER;
     else if (anew || a->strong_since == NEVER)
         a->strong_since = now_ps;
-    if ((uint32_t)size < least)
+    if (size < least)
         a->drive_since = NEVER;
     else if (anew || a->drive_since == NEVER)
         a->drive_since = now_ps;
@@ -131,7 +132,7 @@ void interlock_model_count(unsigned axis, int64_t now_ps, int32_t count)
         a->highest = count;
     if ((uint32_t)(a->highest - a->lowest) >= get(REG_INTERLOCK_WAY, 0)) {
         a->lowest = a->highest = count;
-        a->way_drive = a->drive;
+        a->way_drive = a->mean;
         judge(axis, now_ps, true);
     }
     interlock_model_run(now_ps);
@@ -168,6 +169,7 @@ static void end_windows(int64_t now_ps)
             a->too_fast = share > 1;
             note(&near.speed, share);
             a->window_count = a->count;
+            a->mean += (a->drive - a->mean) / 64;
         }
         if (window_ps >= illegal_ps) {
             illegal_ps = window_ps + WINDOW_PS * get(REG_INTERLOCK_ILLEGAL_TIME, 0);

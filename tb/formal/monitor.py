@@ -30,6 +30,8 @@ class NoWayIsFound(Proof):
         "a sample late": ("(self._strong_for > limits.strong_samples)",
                           "(self._strong_for > limits.strong_samples + 1)"),
         "held is not": ("Mux(self.hold, self._reference, 0)", "0"),
+        "strong drive does not hold": (" & ~holds", ""),
+        "the reference is the drive": ("self._mean >> MEAN_BITS)\n        with", "self.drive)\n        with"),
         "the reference follows the drive": ("with m.If(made):\n                m.d.sync += self._reference",
                                             "with m.If(~made):\n                m.d.sync += self._reference"),
         "breakaway of an axis that holds": ("Mux(holds, limits.held, limits.breakaway)", "limits.breakaway"),
@@ -37,7 +39,7 @@ class NoWayIsFound(Proof):
 
     def harness(self, m, block):
         m.submodules.dut = dut = one_clock(block.Progress(), "sync")
-        anything(m, dut.stb, dut.step, dut.drive, dut.hold)
+        anything(m, dut.stb, dut.window, dut.step, dut.drive, dut.hold)
         limits = dut.limits
         for name in "way", "strong", "strong_samples", "breakaway", "held", "samples":
             pin = getattr(limits, name)
@@ -47,7 +49,8 @@ class NoWayIsFound(Proof):
         place, lowest, highest = (Signal(signed(12), name=n) for n in ("place", "lowest", "highest"))
         now, least, most = (Signal(signed(12), name=n) for n in ("now", "least", "most"))
         drive, hold = register(m, signed(13), dut.drive), register(m, 1, dut.hold)
-        last = Signal(signed(13))                       # the drive at the last way
+        last, mean = Signal(signed(13)), Signal(signed(13 + block.MEAN_BITS))   # at the last way; times 64
+        whole = mean >> block.MEAN_BITS
         held = register(m, signed(13), last)
         excess, size = Signal(signed(15)), Signal(15)
         m.d.comb += [
@@ -65,7 +68,7 @@ class NoWayIsFound(Proof):
             run = Signal(17, name=f"{name}_run")
             runs.append((run, time))
             with m.If(dut.stb):
-                with m.If(made | (size < least_drive)):
+                with m.If(made | (size < least_drive) | (hold if name == "strong" else 0)):
                     m.d.formal += run.eq(0)
                 with m.Elif(up != was_up):
                     m.d.formal += run.eq(1)
@@ -75,12 +78,14 @@ class NoWayIsFound(Proof):
             m.d.formal += [place.eq(Mux(made, 0, now)), lowest.eq(Mux(made, 0, least)), highest.eq(Mux(made, 0, most)),
                            was_up.eq(up)]
             with m.If(made):
-                m.d.formal += last.eq(dut.drive)
+                m.d.formal += last.eq(whole)
+        with m.If(dut.window):
+            m.d.formal += mean.eq(mean - whole + dut.drive)
         # The clock of reset: the drive of the clock before it was 0, but no excess had been looked at.
         m.d.comb += Assume(~dut.stb | register(m, 1, 1))
         m.d.comb += [
             Assert(dut.fault == ((runs[0][0] > runs[0][1]) | (runs[1][0] > runs[1][1]))),
-            *self.lemmas(dut._at == place, dut._low == lowest, dut._high == highest, dut._reference == last,
+            *self.lemmas(dut._at == place, dut._low == lowest, dut._high == highest, dut._reference == last, dut._mean == mean,
                          dut._strong_for == runs[0][0], dut._weak_for == runs[1][0], dut._forward == was_up,
                          (lowest <= 0) & (highest >= 0) & (highest - lowest < 15),
                          (place >= lowest) & (place <= highest)),

@@ -14,6 +14,8 @@ constexpr uint32_t WATCHDOG = REG_INTERLOCK_FAULTS_WATCHDOG_MASK, ESTOP_FAULT = 
 constexpr unsigned NO_PROGRESS = REG_INTERLOCK_FAULTS_NO_PROGRESS_SHIFT, TOO_FAST = REG_INTERLOCK_FAULTS_OVER_SPEED_SHIFT,
                    FAR_AWAY = REG_INTERLOCK_FAULTS_FOLLOWING_SHIFT;
 
+constexpr unsigned MEAN_BITS = 6;
+
 constexpr unsigned word(uint32_t address)
 {
     return (address - REG_INTERLOCK_FAULTS) / 4;
@@ -92,12 +94,12 @@ void Interlock::judge(unsigned axis, int64_t number, int step)
         else if (run <= most)
             run++;
     };
-    go_on(a.strong_for, size >= limit(REG_INTERLOCK_STRONG), limit(REG_INTERLOCK_STRONG_TIME0, axis));
+    go_on(a.strong_for, size >= limit(REG_INTERLOCK_STRONG) && !hold, limit(REG_INTERLOCK_STRONG_TIME0, axis));
     go_on(a.weak_for, size >= least, limit(REG_INTERLOCK_DRIVE_TIME));
     a.forward = forward;
     if (made) {
         a.at = a.low = a.high = 0;
-        const int32_t reference = a.drive.before(edge);
+        const int32_t reference = a.mean >> MEAN_BITS;
         if (reference != a.reference.last()) {
             a.reference.set(edge, reference);
             eager_ = 2;
@@ -170,6 +172,7 @@ void Interlock::end_window()
     windows_left_ = (anew ? limit(REG_INTERLOCK_ILLEGAL_TIME) - 1 : windows_left_ - 1) & 0xffff;
     for (unsigned axis = 0; axis < AXES; axis++) {
         Axis &a = axes_[axis];
+        a.mean += a.drive.before(judged(next_ - 1)) - (a.mean >> MEAN_BITS);
         a.too_fast = uint32_t(std::abs(a.window)) > limit(REG_INTERLOCK_SPEED_MOST0, axis);
         a.window = 0;
         if (anew)

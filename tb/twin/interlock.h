@@ -48,6 +48,7 @@ private:
         int32_t captured = 0;    /* of the latest sample */
         Past<int32_t> count;     /* as of the last sample judged */
         Past<int32_t> drive, reference;
+        int32_t mean = 0;              /* of the drive, times 64 */
         int at = 0, low = 0, high = 0; /* way since it was made */
         bool forward = false;
         uint32_t strong_for = 0, weak_for = 0; /* samples */
