@@ -53,7 +53,7 @@ test-twin: $(READY) ## The virtual controller: its ports, its model against the 
 	@$(PYTEST) -n $(JOBS) --dist worksteal tb/twin tb/clients tb/soak
 
 test-slow: $(READY) ## What the ordinary suite has no time for: every scan at full length, every transcript on the SoC, a million numbers on the target's objects, two equal bitstreams, the product's netlist, every proof
-	@FULL_LINES=1 $(PYTEST) --timeout 0 -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_scan_field.py tb/system/test_trigger_walk.py tb/system/test_servo_lock_walk.py tb/system/test_ttl_report_walk.py tb/soc/test_crossings.py tb/system/test_transcripts.py tb/twin/test_scans.py
+	@FULL_LINES=1 $(PYTEST) --timeout 0 -n $(JOBS) --dist worksteal tb/system/test_scan_walk.py tb/system/test_scan_field.py tb/system/test_trigger_walk.py tb/system/test_servo_lock_walk.py tb/system/test_ttl_report_walk.py tb/system/test_transcripts.py tb/twin/test_scans.py
 	@$(MAKE) --no-print-directory test-numbers
 	@FULL_BUILD=1 $(PYTEST) --timeout 0 tb/gateware/test_product.py
 	@$(MAKE) --no-print-directory test-gates-soc

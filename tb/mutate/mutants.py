@@ -138,14 +138,14 @@ def noticed_by_proof(proof, directory, part, how):
 
     Raises :exc:`RuntimeError` if the block's cells are not the same in both.
     """
+    if re.search(r"-port (\w+_)?(clk|rst) ", how):      # of a module inside; the proof has other names for them
+        return False
     name = f"mutant-{proof.name()}"
     folder = toolchain.BUILD / "formal" / name
     with toolchain.exclusive(folder / "mutate.lock"):
         _write(folder, "whole.il", proof().rtlil())
         outside = _named_cells(directory, "dut.il", _modules(directory, "dut.il", part))
         inside = _named_cells(folder, "whole.il", _modules(folder, "whole.il", "top.dut"))
-        if re.search(r"-port (\w+_)?(clk|rst) ", how):      # of a module inside; the proof has other names for them
-            return False
         toolchain.yosys(f"{_cells(folder, 'whole.il', 'top.dut')}; mutate {_in_the_proof(how, outside, inside)}; "
                         "write_rtlil mutated.il", cwd=folder)
         verdict, _seconds, _log = formal.check(name, proof.mode, proof.depth, (folder / "mutated.il").read_text())
